@@ -1,0 +1,210 @@
+//! The command line.
+
+use std::{
+    ops::RangeInclusive,
+    path::{Path, PathBuf},
+    process::ExitCode,
+    str::FromStr,
+};
+
+use argh::FromArgs;
+
+use crate::{bezier::MAX_TESSELLATION, settings::Settings};
+
+/// A teapot jumps through a marble table that is a mirror: in a window, or with --headless,
+/// --out or --frames into pictures (same arguments, same pixels).
+#[derive(FromArgs)]
+pub struct Args {
+    /// draw into a file, without a window
+    #[argh(switch)]
+    pub headless: bool,
+
+    /// seconds into the scene (0); all of it repeats after 12
+    #[argh(option, default = "0.0", from_str_fn(seconds))]
+    pub time: f32,
+
+    /// width and height in pixels, as in 960x540 (the default)
+    #[argh(option, default = "(960, 540)", from_str_fn(size))]
+    pub size: (u32, u32),
+
+    /// the picture (teapot.png), or with --frames the folder (teapot-frames)
+    #[argh(option)]
+    out: Option<PathBuf>,
+
+    /// draw that many pictures for a film
+    #[argh(option, from_str_fn(frames))]
+    frames: Option<u32>,
+
+    /// pictures for a second of the film (30)
+    #[argh(option, from_str_fn(fps))]
+    fps: Option<f32>,
+
+    /// how much of the table's own colour covers its reflection, 0 to 1 (0.5)
+    #[argh(option, default = "0.5", from_str_fn(alpha))]
+    alpha: f32,
+
+    /// quads along a side of each of the teapot's 32 patches, 1 to 64 (16)
+    #[argh(option, default = "16", from_str_fn(tessellation))]
+    tessellation: u32,
+
+    /// samples for each pixel: 1, 2, 4 or 8, as far as the device has them (4)
+    #[argh(option, default = "4", from_str_fn(msaa))]
+    msaa: u32,
+
+    /// draw in low dynamic range, without bloom
+    #[argh(switch)]
+    no_hdr: bool,
+
+    /// do not cut the reflection at the table
+    #[argh(switch)]
+    no_clip: bool,
+
+    /// leave the table a plain table
+    #[argh(switch)]
+    no_mirror: bool,
+
+    /// filter shadows hard, over 2 x 2 texels
+    #[argh(switch)]
+    hard_shadows: bool,
+}
+
+/// What is to be drawn into files.
+pub enum Pictures {
+    One(PathBuf),
+    Film {
+        frames: u32,
+        fps: f32,
+        folder: PathBuf,
+    },
+}
+
+impl Args {
+    /// Reads the command line. `Err` has said on the terminal what there was to say.
+    pub fn parse() -> Result<Self, ExitCode> {
+        let given: Vec<String> = std::env::args_os()
+            .skip(1)
+            .map(|arg| arg.to_string_lossy().into_owned())
+            .collect();
+        let given: Vec<&str> = given.iter().map(String::as_str).collect();
+        let parsed = Self::from_args(&["teapot"], &given).map_err(|exit| match exit.status {
+            Ok(()) => {
+                println!("{}", exit.output.trim_end());
+                ExitCode::SUCCESS
+            }
+            Err(()) => complain(&exit.output),
+        })?;
+        match parsed.contradiction() {
+            None => Ok(parsed),
+            Some(text) => Err(complain(text)),
+        }
+    }
+
+    fn contradiction(&self) -> Option<&'static str> {
+        let png = self.out.as_deref().map(ends_in_png);
+        match (self.frames, png) {
+            (None, Some(false)) => Some("--out: a picture's name ends in .png, as in teapot.png"),
+            (Some(_), Some(true)) => {
+                Some("--out: with --frames it is a folder, as in teapot-frames")
+            }
+            (None, _) if self.fps.is_some() => Some("--fps goes with --frames, as in --frames 360"),
+            _ => None,
+        }
+    }
+
+    /// Whether the arguments ask for files instead of a window.
+    pub fn wants_pictures(&self) -> bool {
+        self.headless || self.out.is_some() || self.frames.is_some()
+    }
+
+    pub fn pictures(&self) -> Pictures {
+        let path = |fallback: &str| self.out.clone().unwrap_or_else(|| fallback.into());
+        match self.frames {
+            None => Pictures::One(path("teapot.png")),
+            Some(frames) => Pictures::Film {
+                frames,
+                fps: self.fps.unwrap_or(30.0),
+                folder: path("teapot-frames"),
+            },
+        }
+    }
+
+    pub fn settings(&self) -> Settings {
+        Settings {
+            mirror: !self.no_mirror,
+            clip: !self.no_clip,
+            alpha: self.alpha,
+            tessellation: self.tessellation,
+            soft_shadows: !self.hard_shadows,
+            samples: self.msaa,
+            hdr: !self.no_hdr,
+        }
+    }
+}
+
+/// One line on the terminal, and the exit code for arguments that make no sense.
+fn complain(text: &str) -> ExitCode {
+    let line: Vec<&str> = text.split_whitespace().collect();
+    eprintln!("teapot: {} (--help lists all)", line.join(" "));
+    ExitCode::from(2)
+}
+
+fn ends_in_png(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
+}
+
+fn within<T: FromStr + PartialOrd>(
+    text: &str,
+    range: RangeInclusive<T>,
+    expected: &str,
+) -> Result<T, String> {
+    let value: Option<T> = text.parse().ok();
+    value
+        .filter(|value| range.contains(value))
+        .ok_or_else(|| format!("expected {expected}"))
+}
+
+fn seconds(text: &str) -> Result<f32, String> {
+    within(text, 0.0..=86_400.0, "seconds from 0 to 86400, as in 1.5")
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    const EXPECTED: &str = "WIDTHxHEIGHT from 1x1 to 8192x8192, as in 960x540";
+    let (width, height) = text.split_once('x').ok_or(format!("expected {EXPECTED}"))?;
+    Ok((
+        within(width, 1..=8192, EXPECTED)?,
+        within(height, 1..=8192, EXPECTED)?,
+    ))
+}
+
+fn frames(text: &str) -> Result<u32, String> {
+    within(text, 1..=100_000, "1 to 100000 pictures, as in 360")
+}
+
+fn fps(text: &str) -> Result<f32, String> {
+    within(
+        text,
+        0.01..=1000.0,
+        "0.01 to 1000 pictures a second, as in 30",
+    )
+}
+
+fn alpha(text: &str) -> Result<f32, String> {
+    within(text, 0.0..=1.0, "a number from 0 to 1, as in 0.5")
+}
+
+fn tessellation(text: &str) -> Result<u32, String> {
+    within(
+        text,
+        1..=MAX_TESSELLATION,
+        "a whole number from 1 to 64, as in 16",
+    )
+}
+
+fn msaa(text: &str) -> Result<u32, String> {
+    within(text, 1..=8, "1, 2, 4 or 8").and_then(|n: u32| {
+        n.is_power_of_two()
+            .then_some(n)
+            .ok_or("expected 1, 2, 4 or 8".into())
+    })
+}

@@ -1,0 +1,59 @@
+//! The geometry of a planar mirror, without an engine: where its plane is, the view that sees the
+//! reflection, and the projection that cuts at the plane.
+//!
+//! | file | question it answers |
+//! |---|---|
+//! | `plane` | what a plane is, and how far a point is in front of it |
+//! | `patch` | where a flat rectangle of a mesh lies in the world |
+//! | `fit` | which rectangle a flat mesh covers |
+//! | `reflection` | where a point, a direction and a camera go by reflection |
+//! | `projection` | how a projection is undone, and what kind it is |
+//! | `polygon` | which part of the mirror a camera sees |
+//! | `oblique` | how the near plane of a projection is moved to the mirror |
+//! | `noise` | how much of that survives single precision |
+//! | `side` | which objects lie in front of, behind and across the plane |
+//! | `view` | all of it together: the plan for one mirror and one camera |
+//!
+//! # Conventions
+//!
+//! Matrices act on column vectors and are named `a_from_b`. World and view space are right
+//! handed, the view looks down -Z. The clip volume is `-w <= x, y <= w` and `0 <= z <= w`, with
+//! reversed depth: 1 near, 0 far. Lengths are world units unless a name or a sentence says pixels.
+//! A plane is a covector `(n, d)`: `n.p + d` is positive on the side that the mirror shows.
+//!
+//! # Precision
+//!
+//! Everything takes and returns `f64`; the caller widens its `f32` input, which is exact, and
+//! rounds the result once. Distances are taken in relative form, `n.(p - o)`, so that they do not
+//! cancel far from the origin of the world.
+//!
+//! # Errors
+//!
+//! Nothing here panics. What cannot be answered is `None` or a named reason; not a number and
+//! infinity are such cases wherever they would reach a matrix. Functions on single values (a
+//! reflected point, a distance) pass them through.
+
+mod fit;
+mod noise;
+mod oblique;
+mod patch;
+mod plane;
+mod polygon;
+mod projection;
+mod reflection;
+mod side;
+mod view;
+
+pub use fit::{FitError, fit_patch};
+pub use noise::{MAX_MARGIN, clip_plane_error, depth_error, margin, noise};
+pub use oblique::{
+    Reach, fitted_depth_row, oblique_k, oblique_row, plane_in_clip, plane_in_reflected_view,
+    plane_reach, raster_guard, with_depth_row, with_oblique_near_plane,
+};
+pub use patch::{PlanarPatch, transform_patch};
+pub use plane::Plane;
+pub use polygon::{VisiblePolygon, clip_polygon};
+pub use projection::BaseProjection;
+pub use reflection::{reflect_point, reflect_vector, reflected_world_from_view, reflection_affine};
+pub use side::{Side, classify, narrowed_sides, signed_distance_range};
+pub use view::{ReflectedViewPlan, Skip, ViewInput, plan_reflected_view};

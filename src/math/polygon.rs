@@ -1,0 +1,163 @@
+//! The part of a mirror's rectangle that a camera sees.
+
+use glam::{DVec2, DVec4};
+
+/// A quad clipped by six planes has at most ten vertices; two to spare for rounding.
+const CAPACITY: usize = 12;
+
+/// A convex polygon in homogeneous clip space, inside the clip volume. Lives on the stack.
+#[derive(Clone, Copy, Debug)]
+pub struct VisiblePolygon {
+    vertices: [DVec4; CAPACITY],
+    len: usize,
+    is_full_view: bool,
+}
+
+impl PartialEq for VisiblePolygon {
+    fn eq(&self, other: &Self) -> bool {
+        self.vertices() == other.vertices() && self.is_full_view == other.is_full_view
+    }
+}
+
+impl VisiblePolygon {
+    const EMPTY: Self = Self {
+        vertices: [DVec4::ZERO; CAPACITY],
+        len: 0,
+        is_full_view: false,
+    };
+
+    /// The whole screen: for a mirror without known bounds.
+    pub fn full_view() -> Self {
+        let mut polygon = Self::EMPTY;
+        for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+            polygon.push(DVec4::new(x, y, 0.0, 1.0));
+        }
+        polygon.is_full_view = true;
+        polygon
+    }
+
+    /// The vertices in clip space, in order around the polygon.
+    pub fn vertices(&self) -> &[DVec4] {
+        self.vertices.get(..self.len).unwrap_or(&[])
+    }
+
+    /// The vertices on the screen, each coordinate from -1 to 1.
+    pub fn ndc(&self) -> impl Iterator<Item = DVec2> + Clone + '_ {
+        self.vertices().iter().map(|v| {
+            // Rounding in the clipping leaves a vertex outside by an ulp.
+            (v.truncate().truncate() / v.w).clamp(DVec2::NEG_ONE, DVec2::ONE)
+        })
+    }
+
+    /// Whether nothing is visible.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// The smallest clip `w` of a visible point: for a perspective the view depth at which the
+    /// mirror begins. `None` when empty, and for the [full view](Self::full_view).
+    pub fn w_min(&self) -> Option<f64> {
+        if self.is_full_view {
+            return None;
+        }
+        self.vertices().iter().map(|v| v.w).reduce(f64::min)
+    }
+
+    /// The lowest and the highest coordinates on the screen; `low > high` when empty.
+    pub fn ndc_bounds(&self) -> (DVec2, DVec2) {
+        self.ndc()
+            .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| {
+                (low.min(p), high.max(p))
+            })
+    }
+
+    /// The width of the narrowest strip of the screen that holds the polygon, in pixels of a
+    /// `viewport` of that size. 0 when empty.
+    ///
+    /// The narrowest strip of a convex polygon lies along one of its edges.
+    pub fn min_width_px(&self, viewport: DVec2) -> f64 {
+        let pixels = |p: DVec2| p * viewport * 0.5;
+        let next = self.ndc().cycle().skip(1);
+        let width = self.ndc().zip(next).filter_map(|(a, b)| {
+            let (a, b) = (pixels(a), pixels(b));
+            let length = a.distance(b);
+            (length > 0.0).then(|| {
+                let normal = (b - a).perp() / length;
+                self.ndc()
+                    .map(|p| normal.dot(pixels(p) - a).abs())
+                    .fold(0.0, f64::max)
+            })
+        });
+        width.reduce(f64::min).unwrap_or(0.0)
+    }
+
+    fn push(&mut self, vertex: DVec4) {
+        // Only a polygon that rounding has made concave could ask for more than there is.
+        if let Some(slot) = self.vertices.get_mut(self.len) {
+            *slot = vertex;
+            self.len += 1;
+        }
+    }
+
+    /// The part where `distance`, linear in the vertex, is not negative (Sutherland-Hodgman).
+    fn clipped(&self, distance: impl Fn(DVec4) -> f64) -> Self {
+        let mut kept = Self::EMPTY;
+        let vertices = self.vertices();
+        for (index, &a) in vertices.iter().enumerate() {
+            let b = vertices[(index + 1) % vertices.len()];
+            let (from, to) = (distance(a), distance(b));
+            if from >= 0.0 {
+                kept.push(a);
+            }
+            // Vertices on the plane itself are kept above, so only true crossings cut.
+            if (from > 0.0 && to < 0.0) || (from < 0.0 && to > 0.0) {
+                kept.push(cut(a, from, b, to));
+            }
+        }
+        kept
+    }
+}
+
+/// The point between `a` and `b` where the distance is 0.
+///
+/// Measured from the nearer end, and the same for both directions of an edge.
+fn cut(a: DVec4, from: f64, b: DVec4, to: f64) -> DVec4 {
+    if from.abs() <= to.abs() {
+        a + (b - a) * (from / (from - to))
+    } else {
+        b + (a - b) * (to / (to - from))
+    }
+}
+
+/// The visible part of a quad, given its corners in clip space in order around it.
+///
+/// The quad is clipped to the whole clip volume, `|x| <= w`, `|y| <= w` and `0 <= z <= w`; for an
+/// infinite perspective, where `z` is the near distance everywhere, the last is `w >= near`.
+/// Empty if nothing is visible or a corner is not finite.
+pub fn clip_polygon(corners_clip: &[DVec4; 4]) -> VisiblePolygon {
+    if !corners_clip.iter().all(|corner| corner.is_finite()) {
+        return VisiblePolygon::EMPTY;
+    }
+    let mut quad = VisiblePolygon::EMPTY;
+    for &corner in corners_clip {
+        quad.push(corner);
+    }
+    let visible = quad
+        // First, so that w is positive from here on.
+        .clipped(|v| v.w - v.z)
+        .clipped(|v| v.z)
+        .clipped(|v| v.w - v.x)
+        .clipped(|v| v.w + v.x)
+        .clipped(|v| v.w - v.y)
+        .clipped(|v| v.w + v.y);
+    // A projection without a near plane leaves the eye itself, which has no place on the screen.
+    let on_screen = visible
+        .vertices()
+        .iter()
+        .all(|v| v.is_finite() && v.w > 0.0);
+    if on_screen {
+        visible
+    } else {
+        VisiblePolygon::EMPTY
+    }
+}

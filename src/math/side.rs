@@ -1,0 +1,75 @@
+//! What lies in front of a mirror, behind it and across, and what its frame hides.
+
+use glam::{DMat4, DVec2, DVec3, DVec4};
+
+use super::{plane::Plane, polygon::VisiblePolygon};
+
+/// By how much the culling planes keep clear of the polygon, in pixels.
+const CULLING_GUARD_PX: f64 = 2.0;
+
+/// On which side of a mirror an object lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Side {
+    /// Shows nothing in the mirror.
+    Behind,
+    /// Shows whole, without a cut at the plane.
+    InFront,
+    /// Must be cut at the plane.
+    Straddling,
+}
+
+/// The least and the greatest signed distance of the points of a box from a plane.
+///
+/// `half_axes` run from the center of the box to the middles of three faces. Exact for every
+/// parallelepiped.
+pub fn signed_distance_range(plane: &Plane, center: DVec3, half_axes: [DVec3; 3]) -> (f64, f64) {
+    let middle = plane.signed_distance(center);
+    let reach: f64 = half_axes
+        .iter()
+        .map(|axis| plane.normal.dot(*axis).abs())
+        .sum();
+    (middle - reach, middle + reach)
+}
+
+/// The side of an object whose points have signed distances in `range`.
+///
+/// What reaches no more than `tolerance` behind the plane counts as in front of it, and what
+/// reaches no more than that in front of it as behind: an object in the plane shows nothing new.
+/// An unknown range (not a number) straddles: it is drawn, and cut.
+pub fn classify((least, greatest): (f64, f64), tolerance: f64) -> Side {
+    if greatest <= tolerance {
+        Side::Behind
+    } else if least >= -tolerance {
+        Side::InFront
+    } else {
+        Side::Straddling
+    }
+}
+
+/// The planes left, right, bottom and top of what is seen through a polygon of the screen, in
+/// view space, with unit normals to the inside: `n.p + d >= 0`.
+///
+/// Through the bounds of the polygon and two pixels around them, but not beyond the screen. They
+/// are the same for the camera and for its reflection. Where there is no such plane, because the
+/// polygon is empty or the projection degenerate, `(0, 0, 0, 1)`, which everything is inside of.
+pub fn narrowed_sides(
+    polygon: &VisiblePolygon,
+    clip_from_view: &DMat4,
+    viewport_size: DVec2,
+) -> [DVec4; 4] {
+    let (low, high) = polygon.ndc_bounds();
+    let guard = DVec2::splat(CULLING_GUARD_PX * 2.0) / viewport_size;
+    let low = (low - guard).max(DVec2::NEG_ONE);
+    let high = (high + guard).min(DVec2::ONE);
+    let (x, y, w) = (
+        clip_from_view.row(0),
+        clip_from_view.row(1),
+        clip_from_view.row(3),
+    );
+    [x - w * low.x, w * high.x - x, y - w * low.y, w * high.y - y].map(with_unit_normal)
+}
+
+fn with_unit_normal(plane: DVec4) -> DVec4 {
+    let unit = plane / plane.truncate().length();
+    if unit.is_finite() { unit } else { DVec4::W }
+}

@@ -1,0 +1,87 @@
+//! What a user writes: [`PlanarMirror`] on a flat mesh, [`NoMirrors`] on a camera that shall see none.
+
+use bevy::{
+    camera::visibility::Visibility, ecs::prelude::*, reflect::prelude::*,
+    transform::components::Transform,
+};
+use glam::Vec3;
+
+use crate::status::MirrorStatus;
+
+/// Makes a flat mesh reflect the scene, as seen by every active `Camera3d`.
+///
+/// Put it beside a `Mesh3d`; nothing else is needed. The reflection is drawn straight into the
+/// picture of each camera, so it has that camera's resolution, samples, exposure and tone mapping.
+/// A material on the same entity whose alpha mode blends lies over the reflection by its own
+/// formula; without a material, or with an opaque one, the mesh is a perfect mirror.
+///
+/// Only the front of the plane reflects: the side from which the mesh's triangles wind
+/// counter-clockwise. What became of each mirror, for each camera, stands in [`MirrorStatus`].
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_planar_mirror::prelude::*;
+/// fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
+///     commands.spawn((
+///         Mesh3d(meshes.add(Rectangle::new(2.0, 1.0))),
+///         Transform::from_xyz(0.0, 1.0, -3.0),
+///         PlanarMirror::default(),
+///     ));
+/// }
+/// ```
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[require(Transform, Visibility, MirrorStatus)]
+pub struct PlanarMirror {
+    /// Where the reflecting plane lies in the entity's own space.
+    ///
+    /// Default [`MirrorPlane::FromMesh`]: fitted to the mesh, which must be flat.
+    pub plane: MirrorPlane,
+    /// What becomes of objects that cross the plane.
+    ///
+    /// Default [`MirrorClip::Auto`]: they are cut at it.
+    pub clip: MirrorClip,
+}
+
+/// Where the reflecting plane of a [`PlanarMirror`] lies.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub enum MirrorPlane {
+    /// In the mesh: the area-weighted plane through its triangles, front side by their winding.
+    ///
+    /// The mesh must be flat, a list or strip of triangles, and kept in the main world
+    /// (`RenderAssetUsages::MAIN_WORLD`); a mesh that is not gets a status that says so.
+    #[default]
+    FromMesh,
+    /// Given, in the entity's own space. For meshes that only the GPU has.
+    Local {
+        /// A point on the plane, in local units.
+        point: Vec3,
+        /// Towards the front. Any length but zero; a vector that is zero or not finite makes the
+        /// mirror [`degenerate`](crate::status::NotDrawn::DegenerateTransform).
+        normal: Vec3,
+    },
+}
+
+/// What becomes of reflected objects that cross the plane of a [`PlanarMirror`].
+///
+/// Objects wholly behind the plane are never drawn, whatever is chosen here.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Clone, Debug, PartialEq, Hash)]
+#[non_exhaustive]
+pub enum MirrorClip {
+    /// They are cut at the plane. While nothing crosses it, the camera's own projection is used:
+    /// its depth resolves finer, and the picture is the same.
+    #[default]
+    Auto,
+    /// Always the oblique near plane, also while nothing crosses.
+    Oblique,
+    /// They are drawn whole, so the part behind the plane shows as well. To see what the oblique
+    /// near plane is for.
+    Whole,
+}
+
+/// On a camera: it sees no reflections, and costs nothing for the mirrors of the scene.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(Component, Default, Clone, Debug)]
+pub struct NoMirrors;

@@ -1,0 +1,106 @@
+//! [`PlanarMirrorPlugin`]: every system of the crate in its order.
+
+use bevy::{
+    app::prelude::*,
+    asset::Assets,
+    camera::{CameraUpdateSystems, visibility::VisibilitySystems},
+    ecs::prelude::*,
+    light::SimulationLightSystems,
+    mesh::Mesh,
+    render::RenderApp,
+    transform::TransformSystems,
+};
+
+use crate::{
+    mirror::{NoMirrors, PlanarMirror},
+    render,
+    status::MirrorStatus,
+    view::{
+        MirrorPatches, ReflectedViews, any_reflected_views, apply_reflected_views,
+        clip_reflected_views, decide_reflected_views, disable_reflected_views, fit_mirror_planes,
+        report_status,
+    },
+};
+
+/// Adds planar mirrors to an app.
+///
+/// Add it beside `DefaultPlugins`, in any order. Without a renderer nothing is drawn, but the
+/// components work and [`MirrorStatus`] is kept.
+#[derive(Default, Debug, Clone)]
+pub struct PlanarMirrorPlugin {}
+
+/// The steps of the plugin in `PostUpdate`, to order systems against.
+#[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum MirrorSystems {
+    /// Decides which camera sees which mirror, from this frame's transforms and projections, and
+    /// brings the reflected views in line with it. After `VisibilitySystems::UpdateFrusta`, before
+    /// `VisibilitySystems::CheckVisibility`.
+    UpdateViews,
+    /// Drops what lies behind each mirror, chooses the projections and writes [`MirrorStatus`].
+    /// After `VisibilitySystems::CheckVisibility`.
+    ClipViews,
+    /// Takes the reflected views out of sight again. Between [`UpdateViews`](Self::UpdateViews)
+    /// and this, queries for cameras find them too.
+    HideViews,
+}
+
+impl Plugin for PlanarMirrorPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_type::<PlanarMirror>()
+            .register_type::<NoMirrors>()
+            .register_type::<MirrorStatus>()
+            .init_resource::<MirrorPatches>()
+            .init_resource::<ReflectedViews>()
+            .configure_sets(
+                PostUpdate,
+                (
+                    MirrorSystems::UpdateViews
+                        .after(TransformSystems::Propagate)
+                        .after(CameraUpdateSystems)
+                        .after(VisibilitySystems::UpdateFrusta)
+                        .after(VisibilitySystems::VisibilityPropagate)
+                        .after(VisibilitySystems::CalculateBounds)
+                        .before(VisibilitySystems::CheckVisibility)
+                        .before(SimulationLightSystems::UpdateDirectionalLightCascades),
+                    MirrorSystems::ClipViews.after(VisibilitySystems::CheckVisibility),
+                    MirrorSystems::HideViews
+                        .after(VisibilitySystems::MarkNewlyHiddenEntitiesInvisible)
+                        .after(SimulationLightSystems::UpdateLightFrusta)
+                        .after(SimulationLightSystems::AssignLightsToClusters)
+                        .after(SimulationLightSystems::CheckLightVisibility),
+                )
+                    .chain(),
+            )
+            .add_systems(
+                PostUpdate,
+                (
+                    (
+                        fit_mirror_planes.run_if(resource_exists::<Assets<Mesh>>),
+                        decide_reflected_views,
+                        apply_reflected_views.run_if(any_reflected_views),
+                    )
+                        .chain()
+                        .in_set(MirrorSystems::UpdateViews),
+                    (
+                        clip_reflected_views.run_if(any_reflected_views),
+                        report_status,
+                    )
+                        .chain()
+                        .in_set(MirrorSystems::ClipViews),
+                    disable_reflected_views
+                        .run_if(any_reflected_views)
+                        .in_set(MirrorSystems::HideViews),
+                ),
+            );
+        if app.get_sub_app(RenderApp).is_some() || app.is_plugin_added::<bevy::asset::AssetPlugin>()
+        {
+            render::embed_shaders(app);
+        }
+    }
+
+    fn finish(&self, app: &mut App) {
+        if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
+            render::build_render_app(render_app);
+        }
+    }
+}

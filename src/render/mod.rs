@@ -1,0 +1,124 @@
+//! Render world: from reflected views to the picture.
+//!
+//! | step | schedule | file |
+//! |---|---|---|
+//! | what to draw, for which camera | `ExtractSchedule`, then before views are prepared | `extract.rs` |
+//! | pipelines with a stencil test and a flipped front face | after `Specialize`, after `Queue` | `variant.rs` |
+//! | shadow maps that no other view draws over | `PrepareResources` | `shadow.rs` |
+//! | mask pipelines, textures, bind groups | `PrepareResources`, `PrepareBindGroups` | `mask.rs`, `prepare.rs` |
+//! | mesh uniforms of the reflected views | [`ReflectedView3d`] | here |
+//! | the mirror pass | `Core3d`, between opaque and transparent | `pass.rs` |
+//!
+//! Every step does nothing while [`ExtractedMirrors`] is empty.
+
+mod extract;
+mod mask;
+mod pass;
+mod prepare;
+mod shadow;
+mod variant;
+
+use bevy::{
+    app::{App, SubApp},
+    asset::embedded_asset,
+    core_pipeline::{
+        core_3d::{main_opaque_pass_3d, main_transparent_pass_3d},
+        schedule::{Core3d, Core3dSystems},
+    },
+    ecs::{
+        prelude::*,
+        schedule::{Schedule, ScheduleBuildSettings, ScheduleLabel},
+    },
+    pbr::{PreprocessPipelines, early_gpu_preprocess, main_transmissive_pass_3d, prepare_lights},
+    render::{ExtractSchedule, GpuResourceAppExt, Render, RenderStartup, RenderSystems},
+};
+
+use self::{extract::ExtractedMirrors, variant::StencilVariants};
+use crate::view::{disable_reflected_views, enable_reflected_views};
+
+/// The schedule of a reflected view: what has to happen before its phases can be drawn in
+/// another camera's pass, and nothing else of `Core3d`.
+#[derive(ScheduleLabel, Debug, Clone, PartialEq, Eq, Hash, Default)]
+pub struct ReflectedView3d;
+
+/// Embeds the shaders. Needs the app's assets.
+pub fn embed_shaders(app: &mut App) {
+    embedded_asset!(app, "mask.wgsl");
+    embedded_asset!(app, "shadow_copy.wgsl");
+}
+
+/// Adds every render-world system, in its order.
+pub fn build_render_app(render_app: &mut SubApp) {
+    let mut reflected_view = Schedule::new(ReflectedView3d);
+    reflected_view
+        .set_build_settings(ScheduleBuildSettings {
+            auto_insert_apply_deferred: false,
+            ..Default::default()
+        })
+        .add_systems(early_gpu_preprocess.run_if(resource_exists::<PreprocessPipelines>));
+
+    render_app
+        .init_resource::<ExtractedMirrors>()
+        .init_gpu_resource::<StencilVariants>()
+        .init_gpu_resource::<prepare::MirrorUniforms>()
+        .init_gpu_resource::<mask::SpecializedMasks>()
+        .add_schedule(reflected_view)
+        .add_systems(
+            RenderStartup,
+            (mask::init_mirror_pipelines, shadow::init_shadow_copy),
+        )
+        .add_systems(ExtractSchedule, extract::extract_mirrors)
+        .add_systems(
+            Render,
+            (
+                extract::configure_mirror_views
+                    .after(RenderSystems::ExtractCommands)
+                    .before(RenderSystems::PrepareMeshes)
+                    .before(RenderSystems::PrepareAssets),
+                variant::vary_material_pipelines
+                    .after(RenderSystems::Specialize)
+                    .before(RenderSystems::Queue),
+                variant::vary_queued_items
+                    .after(RenderSystems::Queue)
+                    .before(RenderSystems::PhaseSort),
+                shadow::prepare_mirror_shadows
+                    .after(prepare_lights)
+                    .in_set(RenderSystems::PrepareResources),
+                prepare::prepare_mirrors.in_set(RenderSystems::PrepareBindGroups),
+                variant::vary_skyboxes
+                    .after(RenderSystems::Prepare)
+                    .before(RenderSystems::Render),
+                variant::restore_queued_items.in_set(RenderSystems::Cleanup),
+            )
+                .run_if(any_mirrors),
+        )
+        .add_systems(
+            Render,
+            prepare::forget_mirrors
+                .in_set(RenderSystems::PrepareResources)
+                .run_if(any_with_component::<prepare::ViewMirrors>),
+        )
+        .add_systems(
+            Core3d,
+            // Before transmission and transparency, so that glass shows the reflection and a
+            // translucent floor blends over its own.
+            pass::mirror_pass
+                .after(main_opaque_pass_3d)
+                .before(main_transmissive_pass_3d)
+                .before(main_transparent_pass_3d)
+                .in_set(Core3dSystems::MainPass),
+        );
+
+    // Extraction is the one time when the rest of the engine has to see the reflected views.
+    if let Some(mut extract) = render_app.take_extract() {
+        render_app.set_extract(move |main_world, render_world| {
+            enable_reflected_views(main_world);
+            extract(main_world, render_world);
+            disable_reflected_views(main_world);
+        });
+    }
+}
+
+fn any_mirrors(mirrors: Res<ExtractedMirrors>) -> bool {
+    !mirrors.0.is_empty()
+}

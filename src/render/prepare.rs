@@ -1,0 +1,203 @@
+//! What the mirror pass reads of each camera: textures, pipelines, bind groups.
+
+use bevy::{
+    asset::AssetId,
+    camera::{ClearColor, ClearColorConfig, CompositingSpace},
+    color::{LinearRgba, Oklaba, Srgba},
+    ecs::prelude::*,
+    image::ToExtents,
+    mesh::Mesh,
+    render::{
+        camera::ExtractedCamera,
+        mesh::RenderMesh,
+        render_asset::RenderAssets,
+        render_resource::{
+            BindGroup, BindGroupEntries, CachedRenderPipelineId, DynamicUniformBuffer,
+            PipelineCache, ShaderType, TextureDescriptor, TextureDimension, TextureUsages,
+        },
+        renderer::{RenderDevice, RenderQueue},
+        texture::{CachedTexture, TextureCache},
+        view::{ExtractedView, Msaa, ViewDepthTexture, ViewUniforms},
+    },
+};
+use glam::Mat4;
+
+use super::{
+    extract::ExtractedMirrors,
+    mask::{MirrorPipelines, PassKey, SpecializedMasks, Surface},
+    variant::StencilVariants,
+};
+
+/// Of one mirror's surface. The same struct stands in `mask.wgsl`.
+#[derive(ShaderType)]
+pub struct MirrorUniform {
+    world_from_local: Mat4,
+}
+
+/// The uniforms of all surfaces of the frame.
+#[derive(Resource, Default)]
+pub struct MirrorUniforms(DynamicUniformBuffer<MirrorUniform>);
+
+/// On a camera in the render world: the mirrors that it shows in this frame.
+#[derive(Component)]
+pub struct ViewMirrors {
+    pub depth_stencil: CachedTexture,
+    pub surface_group: BindGroup,
+    pub depth_group: BindGroup,
+    pub clear_pipeline: CachedRenderPipelineId,
+    /// What a reflection shows where nothing is: the camera's own clear color.
+    pub background: LinearRgba,
+    pub mirrors: Vec<PreparedMirror>,
+}
+
+/// One mirror of a camera.
+pub struct PreparedMirror {
+    /// The reflected view, whose phases are drawn.
+    pub view: Entity,
+    /// The stencil value of its pixels, from 1.
+    pub id: u32,
+    pub mesh: AssetId<Mesh>,
+    pub mask_pipeline: CachedRenderPipelineId,
+    pub depth_pipeline: CachedRenderPipelineId,
+    pub uniform_offset: u32,
+}
+
+/// Takes [`ViewMirrors`] off cameras that show none any more.
+pub fn forget_mirrors(
+    mut commands: Commands,
+    mirrors: Res<ExtractedMirrors>,
+    cameras: Query<Entity, With<ViewMirrors>>,
+) {
+    for camera in &cameras {
+        if !mirrors.0.iter().any(|mirror| mirror.camera == camera) {
+            commands.entity(camera).remove::<ViewMirrors>();
+        }
+    }
+}
+
+#[expect(
+    clippy::too_many_arguments,
+    reason = "each is one resource of the renderer"
+)]
+pub fn prepare_mirrors(
+    mut commands: Commands,
+    mirrors: Res<ExtractedMirrors>,
+    cameras: Query<(&ExtractedCamera, &ExtractedView, &Msaa, &ViewDepthTexture)>,
+    meshes: Res<RenderAssets<RenderMesh>>,
+    (pipelines, variants, cache): (
+        Res<MirrorPipelines>,
+        Res<StencilVariants>,
+        Res<PipelineCache>,
+    ),
+    mut masks: ResMut<SpecializedMasks>,
+    mut uniforms: ResMut<MirrorUniforms>,
+    view_uniforms: Res<ViewUniforms>,
+    mut textures: ResMut<TextureCache>,
+    clear_color: Res<ClearColor>,
+    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+) {
+    uniforms.0.clear();
+    let offsets: Vec<u32> = mirrors
+        .0
+        .iter()
+        .map(|mirror| {
+            uniforms.0.push(&MirrorUniform {
+                world_from_local: mirror.world_from_local,
+            })
+        })
+        .collect();
+    uniforms.0.write_buffer(&device, &queue);
+    let (Some(view_binding), Some(mirror_binding)) =
+        (view_uniforms.uniforms.binding(), uniforms.0.binding())
+    else {
+        return;
+    };
+    let surface_group = device.create_bind_group(
+        "planar_mirror_surface_group",
+        &cache.get_bind_group_layout(&pipelines.surface_layout),
+        &BindGroupEntries::sequential((view_binding, mirror_binding)),
+    );
+
+    let mut offsets = offsets.into_iter();
+    for of_camera in mirrors.0.chunk_by(|a, b| a.camera == b.camera) {
+        let offsets: Vec<u32> = offsets.by_ref().take(of_camera.len()).collect();
+        let entity = of_camera[0].camera;
+        let Ok((camera, view, msaa, depth)) = cameras.get(entity) else {
+            continue;
+        };
+        let Some(size) = camera.physical_target_size else {
+            continue;
+        };
+        let pass = PassKey {
+            color: view.target_format,
+            depth_stencil: variants.format,
+            samples: msaa.samples(),
+        };
+        let depth_stencil = textures.get(
+            &device,
+            TextureDescriptor {
+                label: Some("planar_mirror_depth_stencil"),
+                size: size.to_extents(),
+                mip_level_count: 1,
+                sample_count: pass.samples,
+                dimension: TextureDimension::D2,
+                format: pass.depth_stencil,
+                usage: TextureUsages::RENDER_ATTACHMENT,
+                view_formats: &[],
+            },
+        );
+        let prepared =
+            of_camera
+                .iter()
+                .zip(offsets)
+                .zip(1..)
+                .filter_map(|((mirror, uniform_offset), id)| {
+                    let mesh = meshes.get(mirror.mesh)?;
+                    let mut pipeline =
+                        |surface| masks.surface(&cache, &pipelines, surface, pass, mesh);
+                    Some(PreparedMirror {
+                        view: mirror.view,
+                        id,
+                        mesh: mirror.mesh,
+                        mask_pipeline: pipeline(Surface::Mask)?,
+                        depth_pipeline: pipeline(Surface::Depth)?,
+                        uniform_offset,
+                    })
+                });
+        let mirrors = prepared.collect();
+        commands.entity(entity).insert(ViewMirrors {
+            depth_stencil,
+            surface_group: surface_group.clone(),
+            depth_group: device.create_bind_group(
+                "planar_mirror_depth_group",
+                &cache.get_bind_group_layout(pipelines.depth_layout(pass.samples)),
+                &BindGroupEntries::single(depth.view()),
+            ),
+            clear_pipeline: masks.clear(&cache, &pipelines, pass),
+            background: background(camera, &clear_color),
+            mirrors,
+        });
+    }
+}
+
+/// The camera's clear color in the space of its target, as the engine clears with it.
+///
+/// A camera that does not clear draws over what others drew, which has no reflection: there the
+/// global clear color is taken.
+fn background(camera: &ExtractedCamera, global: &ClearColor) -> LinearRgba {
+    let color = match camera.clear_color {
+        ClearColorConfig::Custom(color) => color,
+        ClearColorConfig::Default | ClearColorConfig::None => global.0,
+    };
+    match camera.compositing_space {
+        Some(CompositingSpace::Srgb) => {
+            let color = Srgba::from(color);
+            LinearRgba::new(color.red, color.green, color.blue, color.alpha)
+        }
+        Some(CompositingSpace::Oklab) => {
+            let color = Oklaba::from(color);
+            LinearRgba::new(color.lightness, color.a, color.b, color.alpha)
+        }
+        Some(CompositingSpace::Linear) | None => color.into(),
+    }
+}

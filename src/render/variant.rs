@@ -1,0 +1,297 @@
+//! Stencil variants of the pipelines that draw in a reflected view.
+//!
+//! The engine's pipelines for 3D phases are made for a depth attachment without a stencil, and a
+//! render pass wants the formats to be equal. A *variant* is a pipeline's own descriptor with the
+//! depth-stencil format of the mirror pass, a test for the mirror's id, and the front face
+//! flipped: a reflection turns the winding around. Flipping the front face rather than the culled
+//! one is right for every material, for two-sided lighting, and when nothing is culled.
+
+use bevy::{
+    core_pipeline::{
+        core_3d::{AlphaMask3d, Opaque3d, Transparent3d},
+        skybox::SkyboxPipelineId,
+    },
+    ecs::prelude::*,
+    log::warn,
+    pbr::{SpecializedMaterialPipelineCache, Transmissive3d},
+    platform::collections::{HashMap, HashSet},
+    render::{
+        render_phase::{
+            BinnedPhaseItem, BinnedRenderPhase, SortedPhaseItem, SortedRenderPhase,
+            ViewBinnedRenderPhases, ViewSortedRenderPhases,
+        },
+        render_resource::{
+            CachedRenderPipelineId, CompareFunction, FrontFace, PipelineCache,
+            RenderPipelineDescriptor, StencilFaceState, StencilState, TextureFormat,
+        },
+        renderer::RenderDevice,
+        settings::WgpuFeatures,
+        view::{ExtractedView, Msaa},
+    },
+};
+
+use super::extract::ExtractedMirrors;
+
+/// The variants made so far, and the depth-stencil format they are made for.
+#[derive(Resource)]
+pub struct StencilVariants {
+    /// `Depth32FloatStencil8` where the device has it: the depth of the main pass, exactly.
+    pub format: TextureFormat,
+    /// base -> variant, and the pass that both fit.
+    variants: HashMap<CachedRenderPipelineId, (CachedRenderPipelineId, PassFormat)>,
+    /// variant -> base.
+    bases: HashMap<CachedRenderPipelineId, CachedRenderPipelineId>,
+    /// What was left out, so that each is named once.
+    left_out: HashSet<CachedRenderPipelineId>,
+}
+
+impl FromWorld for StencilVariants {
+    fn from_world(world: &mut World) -> Self {
+        let features = world.resource::<RenderDevice>().features();
+        Self {
+            format: if features.contains(WgpuFeatures::DEPTH32FLOAT_STENCIL8) {
+                TextureFormat::Depth32FloatStencil8
+            } else {
+                TextureFormat::Depth24PlusStencil8
+            },
+            variants: HashMap::default(),
+            bases: HashMap::default(),
+            left_out: HashSet::default(),
+        }
+    }
+}
+
+/// What a pipeline must agree with to be used in a camera's mirror pass.
+#[derive(Clone, Copy, PartialEq)]
+struct PassFormat {
+    color: TextureFormat,
+    samples: u32,
+}
+
+impl StencilVariants {
+    /// The variant to draw with in place of `base`; `base` itself if it is a variant already.
+    /// `None`, with one line in the log, if it cannot be drawn in the mirror pass.
+    fn variant(
+        &mut self,
+        base: CachedRenderPipelineId,
+        pass: PassFormat,
+        cache: &mut PipelineCache,
+    ) -> Option<CachedRenderPipelineId> {
+        if self.bases.contains_key(&base) {
+            return Some(base);
+        }
+        if let Some(&(variant, made_for)) = self.variants.get(&base)
+            && made_for == pass
+        {
+            return Some(variant);
+        }
+        // A descriptor can be read only once its pipeline has left the queue of new ones.
+        if base.id() >= cache.pipelines().count() {
+            cache.process_queue();
+        }
+        let descriptor = cache.get_render_pipeline_descriptor(base);
+        let Some(variant) = stencil_variant(descriptor, pass, self.format) else {
+            if self.left_out.insert(base) {
+                warn!(
+                    "{:?} is left out of mirrors: its pipeline has no depth test, or other \
+                     color targets or samples than its camera.",
+                    descriptor.label.as_deref().unwrap_or("an unnamed item")
+                );
+            }
+            return None;
+        };
+        let variant = cache.queue_render_pipeline(variant);
+        self.variants.insert(base, (variant, pass));
+        self.bases.insert(variant, base);
+        Some(variant)
+    }
+}
+
+/// Draws where the stencil holds the reference value, and leaves it as it is.
+fn equal_stencil() -> StencilState {
+    let face = StencilFaceState {
+        compare: CompareFunction::Equal,
+        ..StencilFaceState::IGNORE
+    };
+    StencilState {
+        front: face,
+        back: face,
+        read_mask: 0xff,
+        write_mask: 0,
+    }
+}
+
+/// `None` if the pipeline does not fit the pass in all but the depth-stencil format.
+fn stencil_variant(
+    base: &RenderPipelineDescriptor,
+    pass: PassFormat,
+    format: TextureFormat,
+) -> Option<RenderPipelineDescriptor> {
+    let mut variant = base.clone();
+    let targets = &variant.fragment.as_ref()?.targets;
+    if !matches!(&targets[..], [Some(target)] if target.format == pass.color)
+        || variant.multisample.count != pass.samples
+    {
+        return None;
+    }
+    let depth_stencil = variant.depth_stencil.as_mut()?;
+    depth_stencil.format = format;
+    depth_stencil.stencil = equal_stencil();
+    variant.primitive.front_face = match base.primitive.front_face {
+        FrontFace::Ccw => FrontFace::Cw,
+        FrontFace::Cw => FrontFace::Ccw,
+    };
+    variant.label = base
+        .label
+        .as_ref()
+        .map(|label| format!("planar_mirror_{label}").into());
+    Some(variant)
+}
+
+type MirrorViews<'w, 's> = Query<'w, 's, (&'static ExtractedView, &'static Msaa)>;
+
+fn pass_format(view: &ExtractedView, msaa: &Msaa) -> PassFormat {
+    PassFormat {
+        color: view.target_format,
+        samples: msaa.samples(),
+    }
+}
+
+/// Replaces the pipelines of all materials in reflected views, before they are queued.
+pub fn vary_material_pipelines(
+    mirrors: Res<ExtractedMirrors>,
+    views: MirrorViews,
+    mut specialized: ResMut<SpecializedMaterialPipelineCache>,
+    mut variants: ResMut<StencilVariants>,
+    mut cache: ResMut<PipelineCache>,
+) {
+    for mirror in &mirrors.0 {
+        let Ok((view, msaa)) = views.get(mirror.view) else {
+            continue;
+        };
+        let Some(pipelines) = specialized.get_mut(&view.retained_view_entity) else {
+            continue;
+        };
+        let format = pass_format(view, msaa);
+        pipelines.retain(
+            |_, pipeline| match variants.variant(*pipeline, format, &mut cache) {
+                Some(variant) => {
+                    *pipeline = variant;
+                    true
+                }
+                None => false,
+            },
+        );
+    }
+}
+
+/// Replaces the pipelines of what other plugins queued into reflected views by themselves.
+pub fn vary_queued_items(
+    mirrors: Res<ExtractedMirrors>,
+    views: MirrorViews,
+    mut opaque: ResMut<ViewBinnedRenderPhases<Opaque3d>>,
+    mut alpha_mask: ResMut<ViewBinnedRenderPhases<AlphaMask3d>>,
+    mut transmissive: ResMut<ViewSortedRenderPhases<Transmissive3d>>,
+    mut transparent: ResMut<ViewSortedRenderPhases<Transparent3d>>,
+    mut variants: ResMut<StencilVariants>,
+    mut cache: ResMut<PipelineCache>,
+) {
+    for mirror in &mirrors.0 {
+        let Ok((view, msaa)) = views.get(mirror.view) else {
+            continue;
+        };
+        let format = pass_format(view, msaa);
+        let key = &view.retained_view_entity;
+        let mut vary = |pipeline| variants.variant(pipeline, format, &mut cache);
+        if let Some(phase) = opaque.get_mut(key) {
+            rekey(phase, |key| &mut key.pipeline, &mut vary);
+        }
+        if let Some(phase) = alpha_mask.get_mut(key) {
+            rekey(phase, |key| &mut key.pipeline, &mut vary);
+        }
+        if let Some(phase) = transmissive.get_mut(key) {
+            replace(phase, |item| &mut item.pipeline, &mut vary);
+        }
+        if let Some(phase) = transparent.get_mut(key) {
+            replace(phase, |item| &mut item.pipeline, &mut vary);
+        }
+    }
+}
+
+/// Puts the bins of other plugins back under the keys they chose, by which they will look for
+/// them in the next frame.
+pub fn restore_queued_items(
+    mirrors: Res<ExtractedMirrors>,
+    views: MirrorViews,
+    mut opaque: ResMut<ViewBinnedRenderPhases<Opaque3d>>,
+    mut alpha_mask: ResMut<ViewBinnedRenderPhases<AlphaMask3d>>,
+    variants: Res<StencilVariants>,
+) {
+    let mut base = |pipeline| Some(variants.bases.get(&pipeline).copied().unwrap_or(pipeline));
+    for mirror in &mirrors.0 {
+        let Ok((view, _)) = views.get(mirror.view) else {
+            continue;
+        };
+        let key = &view.retained_view_entity;
+        if let Some(phase) = opaque.get_mut(key) {
+            rekey(phase, |key| &mut key.pipeline, &mut base);
+        }
+        if let Some(phase) = alpha_mask.get_mut(key) {
+            rekey(phase, |key| &mut key.pipeline, &mut base);
+        }
+    }
+}
+
+/// Exchanges the pipeline of every bin of non-mesh items; bins without one are emptied.
+fn rekey<I: BinnedPhaseItem>(
+    phase: &mut BinnedRenderPhase<I>,
+    pipeline: impl Fn(&mut I::BatchSetKey) -> &mut CachedRenderPipelineId,
+    vary: &mut impl FnMut(CachedRenderPipelineId) -> Option<CachedRenderPipelineId>,
+) {
+    if phase.non_mesh_items.is_empty() {
+        return;
+    }
+    for ((mut set, bin), entities) in core::mem::take(&mut phase.non_mesh_items) {
+        let id = pipeline(&mut set);
+        if let Some(varied) = vary(*id) {
+            *id = varied;
+            phase.non_mesh_items.insert((set, bin), entities);
+        }
+    }
+}
+
+/// Exchanges the pipeline of every sorted item; items without one are removed.
+fn replace<I: SortedPhaseItem>(
+    phase: &mut SortedRenderPhase<I>,
+    pipeline: impl Fn(&mut I) -> &mut CachedRenderPipelineId,
+    vary: &mut impl FnMut(CachedRenderPipelineId) -> Option<CachedRenderPipelineId>,
+) {
+    phase.items.retain(|_, item| {
+        let id = pipeline(item);
+        match vary(*id) {
+            Some(varied) => {
+                *id = varied;
+                true
+            }
+            None => false,
+        }
+    });
+}
+
+/// Replaces the skybox pipeline of reflected views.
+pub fn vary_skyboxes(
+    mirrors: Res<ExtractedMirrors>,
+    views: MirrorViews,
+    mut skyboxes: Query<&mut SkyboxPipelineId>,
+    mut variants: ResMut<StencilVariants>,
+    mut cache: ResMut<PipelineCache>,
+) {
+    for mirror in &mirrors.0 {
+        if let (Ok((view, msaa)), Ok(mut skybox)) =
+            (views.get(mirror.view), skyboxes.get_mut(mirror.view))
+            && let Some(variant) = variants.variant(skybox.0, pass_format(view, msaa), &mut cache)
+        {
+            skybox.0 = variant;
+        }
+    }
+}

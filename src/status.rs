@@ -1,0 +1,137 @@
+//! What a user reads: [`MirrorStatus`] tells, for each camera, whether a mirror is drawn and
+//! otherwise why not.
+
+use core::fmt;
+
+use bevy::{ecs::prelude::*, reflect::prelude::*};
+
+/// What became of a mirror in this frame, camera by camera. Written by the plugin alone, in
+/// `PostUpdate`; it is there on every [`PlanarMirror`](crate::PlanarMirror).
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+pub struct MirrorStatus {
+    /// One entry for each active `Camera3d` without [`NoMirrors`](crate::NoMirrors), in no
+    /// particular order.
+    pub cameras: Vec<CameraStatus>,
+}
+
+/// What became of a mirror as seen by one camera.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Clone, Debug, PartialEq)]
+pub struct CameraStatus {
+    /// The user's camera.
+    pub camera: Entity,
+    /// Drawn, or why not.
+    pub state: MirrorState,
+}
+
+/// Whether a camera shows a mirror's reflection.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Clone, Debug, PartialEq)]
+pub enum MirrorState {
+    /// Its reflection is drawn.
+    Drawn(Projection),
+    /// It is not, and the scene is drawn as if the entity were no mirror.
+    NotDrawn(NotDrawn),
+}
+
+/// The projection with which a reflection is drawn.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Clone, Debug, PartialEq)]
+pub enum Projection {
+    /// The camera's own: nothing crosses the plane.
+    Plain,
+    /// With its near plane on the mirror.
+    Oblique,
+}
+
+/// Why a mirror is not drawn for a camera.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[reflect(Clone, Debug, PartialEq, Hash)]
+#[non_exhaustive]
+pub enum NotDrawn {
+    /// The mirror is hidden by its own or an ancestor's `Visibility`.
+    Hidden,
+    /// The camera and the mirror share no `RenderLayers`.
+    OtherLayers,
+    /// The entity has no `Mesh3d`, or its mesh is not loaded yet.
+    NoMesh,
+    /// The mesh is not kept in the main world: give the plane by
+    /// [`MirrorPlane::Local`](crate::MirrorPlane::Local), or keep the mesh.
+    MeshNotInMainWorld,
+    /// The mesh has no triangle with an area.
+    MeshEmpty,
+    /// The mesh's vertices do not lie in one plane.
+    MeshNotFlat,
+    /// The mesh has vertex positions or indices that cannot be read: not triangles, or not finite.
+    MeshNotReadable,
+    /// The mirror's transform is not finite, or flattens the plane to a line or a point.
+    DegenerateTransform,
+    /// The camera's transform or projection is not finite or cannot be inverted.
+    DegenerateCamera,
+    /// The camera's target has no pixels, or is not known yet.
+    NoTarget,
+    /// The camera draws by deferred rendering, whose phases a mirror cannot use.
+    DeferredCamera,
+    /// The camera's eye is not in front of the plane, or too close to it to tell.
+    EyeBehind,
+    /// No part of the mirror is in the camera's view.
+    OutOfView,
+    /// The mirror is seen less than half a pixel thin.
+    TooThin,
+    /// The plane cannot be told from the rounding of single precision at this distance from the
+    /// origin.
+    BelowPrecision,
+    /// More mirrors are in view than a stencil has ids (255): nearer ones go first.
+    TooManyMirrors,
+}
+
+impl MirrorStatus {
+    /// The state as seen by `camera`; `None` where that camera is not concerned.
+    pub fn of(&self, camera: Entity) -> Option<MirrorState> {
+        self.cameras
+            .iter()
+            .find(|status| status.camera == camera)
+            .map(|status| status.state)
+    }
+
+    /// Whether any camera shows the reflection.
+    pub fn is_drawn(&self) -> bool {
+        self.cameras
+            .iter()
+            .any(|status| matches!(status.state, MirrorState::Drawn(_)))
+    }
+}
+
+impl fmt::Display for MirrorState {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Drawn(Projection::Plain) => f.write_str("drawn, plain projection"),
+            Self::Drawn(Projection::Oblique) => f.write_str("drawn, oblique near plane"),
+            Self::NotDrawn(reason) => write!(f, "not drawn: {reason}"),
+        }
+    }
+}
+
+impl fmt::Display for NotDrawn {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Hidden => "hidden",
+            Self::OtherLayers => "on other render layers than the camera",
+            Self::NoMesh => "no mesh, or not loaded yet",
+            Self::MeshNotInMainWorld => "the mesh is not kept in the main world",
+            Self::MeshEmpty => "the mesh has no triangle with an area",
+            Self::MeshNotFlat => "the mesh is not flat",
+            Self::MeshNotReadable => "the mesh is not made of finite triangles",
+            Self::DegenerateTransform => "the mirror's transform is degenerate",
+            Self::DegenerateCamera => "the camera's transform or projection is degenerate",
+            Self::NoTarget => "the camera's target has no pixels",
+            Self::DeferredCamera => "the camera uses deferred rendering",
+            Self::EyeBehind => "the eye is not in front of the plane",
+            Self::OutOfView => "out of view",
+            Self::TooThin => "thinner than half a pixel",
+            Self::BelowPrecision => "below the precision of the coordinates",
+            Self::TooManyMirrors => "more than 255 mirrors in view",
+        })
+    }
+}

@@ -1,0 +1,179 @@
+//! Brings the reflected views' entities in line with what was decided.
+
+use bevy::{
+    camera::{Camera, Camera3d, RenderTarget, primitives::Frustum},
+    ecs::{entity_disabling::Disabled, name::Name, prelude::*},
+    math::{
+        Affine3A,
+        primitives::{HalfSpace, ViewFrustum},
+    },
+    render::{camera::CameraRenderGraph, view::NoIndirectDrawing},
+    transform::components::{GlobalTransform, Transform},
+};
+use glam::DAffine3;
+
+use super::{
+    Decision, PlannedView, ReflectedView, ReflectedViews, ViewEntity, copy::copy_camera_components,
+};
+use crate::{
+    math::{Plane, narrowed_sides, reflect_vector},
+    render::ReflectedView3d,
+};
+
+/// Spawns, updates and despawns reflected views, and lets Bevy see them until
+/// [`disable_reflected_views`].
+///
+/// Runs after the user's frusta are up to date and before visibility, so that the transforms and
+/// projections of this very frame are used.
+pub fn apply_reflected_views(world: &mut World) {
+    world.resource_scope(|world, mut views: Mut<ReflectedViews>| {
+        let ReflectedViews {
+            decisions,
+            entities,
+        } = &mut *views;
+        for view in entities.values_mut() {
+            view.wanted = false;
+        }
+        let drawn = decisions
+            .iter()
+            .filter_map(|decision| Some((decision, decision.view.as_ref().ok()?)));
+        for (index, (&Decision { camera, mirror, .. }, planned)) in drawn.enumerate() {
+            let view = entities
+                .entry((camera, mirror))
+                .or_insert_with(|| ViewEntity {
+                    entity: spawn_view(world, camera, mirror),
+                    wanted: true,
+                });
+            // Somebody may have cleared the world.
+            if world.get_entity(view.entity).is_err() {
+                view.entity = spawn_view(world, camera, mirror);
+            }
+            view.wanted = true;
+            update_view(world, camera, view.entity, planned, index);
+            world.entity_mut(view.entity).remove::<Disabled>();
+        }
+        entities.retain(|_, view| {
+            if !view.wanted {
+                world.try_despawn(view.entity).ok();
+            }
+            view.wanted
+        });
+    });
+}
+
+/// Takes the reflected views out of every query again.
+pub fn disable_reflected_views(world: &mut World) {
+    for view in all(world) {
+        world.entity_mut(view).insert(Disabled);
+    }
+}
+
+/// Lets extraction see the reflected views; [`disable_reflected_views`] ends that.
+pub fn enable_reflected_views(world: &mut World) {
+    for view in all(world) {
+        world.entity_mut(view).remove::<Disabled>();
+    }
+}
+
+fn all(world: &World) -> Vec<Entity> {
+    let views = world.resource::<ReflectedViews>();
+    views.entities.values().map(|view| view.entity).collect()
+}
+
+fn spawn_view(world: &mut World, camera: Entity, mirror: Entity) -> Entity {
+    let mut view = world.spawn((
+        Name::new(format!("reflected view of {camera} in {mirror}")),
+        ReflectedView {
+            camera,
+            mirror,
+            clip_from_view: Default::default(),
+        },
+        Camera3d::default(),
+        // Its phases are drawn in the user's camera's schedule, where indirect parameters that
+        // were prepared for another view are gone.
+        NoIndirectDrawing,
+        CameraRenderGraph::new(ReflectedView3d),
+    ));
+    // Its place is computed, not propagated.
+    view.remove::<Transform>();
+    view.id()
+}
+
+fn update_view(
+    world: &mut World,
+    camera: Entity,
+    view: Entity,
+    planned: &PlannedView,
+    index: usize,
+) {
+    copy_camera_components(world, camera, view);
+    let main = world.entity(camera);
+    let (Some(main_camera), Some(main_3d), Some(main_frustum)) = (
+        main.get::<Camera>(),
+        main.get::<Camera3d>(),
+        main.get::<Frustum>(),
+    ) else {
+        return;
+    };
+    let main_camera = main_camera.clone();
+    let main_3d = main_3d.clone();
+    let frustum = narrowed_frustum(planned, &main_camera, main_frustum);
+    let size = main_camera.physical_target_size().unwrap_or_default();
+    let camera = Camera {
+        // Before every camera of the user's, and no two alike: Bevy warns of equal orders.
+        order: isize::MIN + index as isize,
+        ..main_camera
+    };
+    let world_from_view = planned.plan.world_from_view;
+    world.entity_mut(view).insert((
+        camera,
+        main_3d,
+        RenderTarget::None { size },
+        GlobalTransform::from(single(&world_from_view)),
+        frustum,
+    ));
+}
+
+/// Rounds once to the precision of the renderer.
+fn single(affine: &DAffine3) -> Affine3A {
+    Affine3A {
+        matrix3: affine.matrix3.as_mat3().into(),
+        translation: affine.translation.as_vec3a(),
+    }
+}
+
+/// The half-spaces that hold all that can show in the mirror: its plane for the near plane (the
+/// camera's own test of it is never true for an oblique projection), and sides through the
+/// bounds of what is seen of the mirror. The far half-space is the camera's, reflected.
+fn narrowed_frustum(planned: &PlannedView, camera: &Camera, main: &Frustum) -> Frustum {
+    let plan = &planned.plan;
+    let viewport = camera
+        .physical_viewport_size()
+        .unwrap_or_default()
+        .as_dvec2();
+    let clip_from_view = camera.clip_from_view().as_dmat4();
+    let sides = narrowed_sides(&plan.polygon, &clip_from_view, viewport);
+    // Planes are covectors: they go to world space by the inverse transpose.
+    let world_from_view = glam::DMat4::from(plan.world_from_view);
+    let to_world = world_from_view.inverse().transpose();
+    let mut half_spaces = main.half_spaces;
+    for (half_space, side) in half_spaces.iter_mut().zip(sides) {
+        *half_space = HalfSpace::new((to_world * side).as_vec4());
+    }
+    half_spaces[ViewFrustum::NEAR_PLANE_IDX] = HalfSpace::new(planned.plane.covector().as_vec4());
+    let far = &mut half_spaces[ViewFrustum::FAR_PLANE_IDX];
+    *far = reflected_half_space(&planned.plane, far);
+    Frustum(ViewFrustum { half_spaces })
+}
+
+/// A half-space as seen in the mirror. One without a bound stays as it is.
+fn reflected_half_space(plane: &Plane, half_space: &HalfSpace) -> HalfSpace {
+    let normal_d = half_space.normal_d().as_dvec4();
+    if !normal_d.is_finite() {
+        return *half_space;
+    }
+    let normal = normal_d.truncate();
+    // (n, d) R with R p = p - 2 m (m.(p - o)).
+    let d = normal_d.w + 2.0 * plane.normal.dot(normal) * plane.normal.dot(plane.origin);
+    HalfSpace::new(reflect_vector(plane.normal, normal).extend(d).as_vec4())
+}

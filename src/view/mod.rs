@@ -1,0 +1,92 @@
+//! Main world: from mirrors and cameras to reflected views.
+//!
+//! A *reflected view* is a camera entity of the plugin's own, one for each camera and each mirror
+//! that it sees: the camera's transform reflected about the mirror, its projection, no render
+//! target. Bevy does visibility, light clusters, shadow cascades and phases for it as for any
+//! camera; the pass in [`render`](crate::render) draws it into the picture of the camera it
+//! belongs to.
+//!
+//! | step in `PostUpdate` | file |
+//! |---|---|
+//! | fit a plane to each mirror's mesh | `fit.rs` |
+//! | decide which camera sees which mirror | `decide.rs` |
+//! | bring the entities in line with that | `apply.rs`, `copy.rs` |
+//! | after visibility: drop what is behind, choose the projection | `clip.rs` |
+//! | write [`MirrorStatus`](crate::MirrorStatus) | `report.rs` |
+//!
+//! Users never meet a reflected view: it carries `Disabled`, which keeps it out of every query
+//! that does not name it, except from `apply.rs` to the end of Bevy's light systems in
+//! `PostUpdate`, and during extraction.
+
+mod apply;
+mod clip;
+mod copy;
+mod decide;
+mod fit;
+mod report;
+
+use bevy::{ecs::prelude::*, platform::collections::HashMap};
+use glam::Mat4;
+
+pub use apply::{apply_reflected_views, disable_reflected_views, enable_reflected_views};
+pub use clip::clip_reflected_views;
+pub use decide::decide_reflected_views;
+pub use fit::{MirrorPatches, fit_mirror_planes};
+pub use report::report_status;
+
+use crate::{
+    math::{Plane, ReflectedViewPlan},
+    mirror::MirrorClip,
+    status::{NotDrawn, Projection},
+};
+
+/// What this frame decided for every pair of a camera and a mirror, and the views that serve them.
+#[derive(Resource, Default)]
+pub struct ReflectedViews {
+    /// Grouped by mirror.
+    pub decisions: Vec<Decision>,
+    /// (camera, mirror) -> its reflected view.
+    pub entities: HashMap<(Entity, Entity), ViewEntity>,
+}
+
+/// The entity of a reflected view.
+pub struct ViewEntity {
+    pub entity: Entity,
+    /// Still wanted in this frame.
+    pub wanted: bool,
+}
+
+/// What becomes of one mirror as seen by one camera.
+pub struct Decision {
+    pub camera: Entity,
+    pub mirror: Entity,
+    pub view: Result<PlannedView, NotDrawn>,
+}
+
+/// A reflection to draw.
+pub struct PlannedView {
+    pub plane: Plane,
+    pub plan: ReflectedViewPlan,
+    pub clip: MirrorClip,
+    /// Filled in once visibility is known.
+    pub projection: Projection,
+}
+
+/// On a reflected view: whose it is, and the projection that the GPU shall use.
+///
+/// `Camera` and `Projection` of the entity stay those of the user's camera, so that clusters,
+/// cascades and everything else that reads depth from them is right; only the vertices see the
+/// oblique near plane.
+#[derive(Component, Clone, Copy, Debug)]
+pub struct ReflectedView {
+    /// The user's camera into whose picture the view is drawn.
+    pub camera: Entity,
+    /// The mirror that it is seen in.
+    pub mirror: Entity,
+    pub clip_from_view: Mat4,
+}
+
+/// Whether there is anything to do, or to undo: a scene without mirrors runs none of the rest.
+pub fn any_reflected_views(views: Res<ReflectedViews>) -> bool {
+    !views.entities.is_empty() || views.decisions.iter().any(|decision| decision.view.is_ok())
+}

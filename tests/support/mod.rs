@@ -1,0 +1,13 @@
+//! What the picture tests stand on: an app without a window ([`stage`]), scenes written once and drawn in several
+//! ways ([`scene`], [`studio`], [`reference`]), and pictures that can be compared ([`picture`]).
+
+pub mod cut;
+pub mod log;
+pub mod mask;
+pub mod picture;
+pub mod props;
+pub mod random;
+pub mod reference;
+pub mod scene;
+pub mod stage;
+pub mod studio;

@@ -1,0 +1,329 @@
+//! Draws scenes: with the plugin, without it, as masks and as references, and compares them.
+
+use bevy::{
+    camera::{RenderTarget, visibility::RenderLayers},
+    light::NotShadowCaster,
+    prelude::*,
+};
+
+use super::{
+    cut::{Cut, cut},
+    mask::Mask,
+    picture::Picture,
+    reference::reflected_eye,
+    scene::{Look, Scene, exact},
+    stage::Stage,
+};
+
+/// What the camera sees, and what only lights see.
+const SEEN: usize = 0;
+const CASTING: usize = 1;
+
+/// Levels of 255 that a pixel of the reflection may be off.
+pub const TOLERANCE: u8 = 2;
+/// The share of the mirror's pixels that must be within [`TOLERANCE`].
+pub const SHARE: f64 = 0.9999;
+/// That share beyond a thousand units from the origin, where single precision shows.
+pub const SHARE_FAR_AWAY: f64 = 0.9995;
+
+/// How a scene is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum How {
+    /// With [`PlanarMirror`](bevy_planar_mirror::PlanarMirror) on the mirrors.
+    Mirrors,
+    /// The same without that component.
+    Plain,
+    /// The mirror of this index white, see-through things red, all else black.
+    Mask(usize),
+    /// What the mirror of this index must show, left and right exchanged.
+    Reference(usize),
+}
+
+/// Two apps, one with the plugin and one without, that draw one scene after the other.
+#[derive(Default)]
+pub struct Studio {
+    plugins: Vec<fn(&mut App)>,
+    mirrors: Option<Stage>,
+    stock: Option<Stage>,
+}
+
+impl Studio {
+    /// For scenes that need plugins of their own.
+    pub fn of(scene: &Scene) -> Self {
+        Self {
+            plugins: scene.plugins.clone(),
+            ..default()
+        }
+    }
+
+    /// The app that has the plugin, as the last [`Self::picture`] left it.
+    pub fn stage(&mut self) -> &mut Stage {
+        let plugins = &self.plugins;
+        self.mirrors.get_or_insert_with(|| {
+            Stage::new(|app| {
+                app.add_plugins(bevy_planar_mirror::PlanarMirrorPlugin::default());
+                plugins.iter().for_each(|add| add(app));
+            })
+        })
+    }
+
+    fn stock(&mut self) -> &mut Stage {
+        let plugins = &self.plugins;
+        self.stock
+            .get_or_insert_with(|| Stage::new(|app| plugins.iter().for_each(|add| add(app))))
+    }
+
+    /// The scene with its mirrors.
+    #[track_caller]
+    pub fn picture(&mut self, scene: &Scene) -> Picture {
+        draw(self.stage(), scene, How::Mirrors)
+    }
+
+    /// The scene in an app that knows no mirrors.
+    #[track_caller]
+    pub fn without_mirrors(&mut self, scene: &Scene) -> Picture {
+        draw(self.stock(), scene, How::Plain)
+    }
+
+    /// What the mirror of this index must show, where it shows at all.
+    #[track_caller]
+    pub fn reference(&mut self, scene: &Scene, mirror: usize) -> Picture {
+        draw(self.stock(), scene, How::Reference(mirror)).flipped()
+    }
+
+    /// Where the mirror of this index shows.
+    #[track_caller]
+    pub fn mask(&mut self, scene: &Scene, mirror: usize) -> Mask {
+        Mask::new(draw(self.stock(), scene, How::Mask(mirror)))
+    }
+
+    /// The acceptance of a mirror: what it shows is the reference, and the rest of the picture is
+    /// that of an app without mirrors, to the bit. Returns the picture.
+    #[track_caller]
+    pub fn assert_reflects(&mut self, scene: &Scene) -> Picture {
+        let picture = self.picture(scene);
+        for mirror in 0..scene.mirrors.len() {
+            let mask = self.mask(scene, mirror);
+            assert!(
+                mask.inside_count() >= 100,
+                "{}: the mirror is too small to be tested",
+                scene.name
+            );
+            let reference = self.reference(scene, mirror);
+            let far = scene.eye.translation.length() > 1e3;
+            let share = if far { SHARE_FAR_AWAY } else { SHARE };
+            let what = format!("{}-inside-{mirror}", scene.name);
+            picture.assert_alike(
+                &reference,
+                TOLERANCE,
+                share,
+                |place| mask.inside(place),
+                &what,
+            );
+        }
+        self.assert_untouched_outside(scene, &picture);
+        picture
+    }
+
+    /// Not one pixel outside the mirrors differs from the picture without the plugin.
+    #[track_caller]
+    pub fn assert_untouched_outside(&mut self, scene: &Scene, picture: &Picture) {
+        let plain = self.without_mirrors(scene);
+        let masks: Vec<_> = (0..scene.mirrors.len())
+            .map(|mirror| self.mask(scene, mirror))
+            .collect();
+        let outside = |place| masks.iter().all(|mask| mask.outside(place));
+        if plain.places().any(outside) {
+            picture.assert_alike(&plain, 0, 1.0, outside, &format!("{}-outside", scene.name));
+        }
+    }
+
+    /// The scene looks as if there were no plugin: every pixel.
+    #[track_caller]
+    pub fn assert_no_mirror(&mut self, scene: &Scene) {
+        let picture = self.picture(scene);
+        picture.assert_same(&self.without_mirrors(scene), &scene.name);
+    }
+}
+
+/// One scene, one studio: [`Studio::assert_reflects`].
+#[track_caller]
+pub fn assert_reflects(scene: &Scene) -> Picture {
+    Studio::of(scene).assert_reflects(scene)
+}
+
+/// Takes the last scene off the stage, sets this one up and reads its picture.
+#[track_caller]
+fn draw(stage: &mut Stage, scene: &Scene, how: How) -> Picture {
+    clear(stage);
+    let target = stage.target(scene.size);
+    build(stage.world(), scene, how, target.clone());
+    match stage.settle(&target, scene.size) {
+        // A mask or a plain picture of one color can be right; the mirrors' own must show something.
+        Ok(picture) => {
+            if how == How::Mirrors {
+                picture.assert_shows_something();
+            }
+            picture
+        }
+        Err(reason) => panic!("{}, drawn as {how:?}: {reason}", scene.name),
+    }
+}
+
+/// Sets a scene with its mirrors up on a stage of the test's own; returns the camera.
+pub fn build_with_mirrors(stage: &mut Stage, scene: &Scene, target: Handle<Image>) -> Entity {
+    build(stage.world(), scene, How::Mirrors, target)
+}
+
+/// The same without the mirrors' component.
+pub fn build_plain(stage: &mut Stage, scene: &Scene, target: Handle<Image>) -> Entity {
+    build(stage.world(), scene, How::Plain, target)
+}
+
+fn clear(stage: &mut Stage) {
+    // All that a scene spawns has a transform; what the plugins spawn for themselves stays.
+    let world = stage.world();
+    let spawned: Vec<Entity> = world
+        .query_filtered::<Entity, (With<Transform>, Without<ChildOf>)>()
+        .iter(world)
+        .collect();
+    for entity in spawned {
+        world.despawn(entity);
+    }
+}
+
+fn build(world: &mut World, scene: &Scene, how: How, target: Handle<Image>) -> Entity {
+    world.insert_resource(ClearColor(match how {
+        How::Mask(_) => Color::BLACK,
+        _ => scene.clear_color,
+    }));
+    world.insert_resource(scene.ambient.clone());
+    for prop in &scene.props {
+        let mut entity = world.spawn(Transform::default());
+        prop(&mut entity);
+        if matches!(how, How::Reference(_)) {
+            // Lights see the casters that the camera does not.
+            entity.insert(RenderLayers::from_layers(&[SEEN, CASTING]));
+        }
+    }
+    for (index, surface) in scene.mirrors.iter().enumerate() {
+        let look = match how {
+            How::Mask(mirror) if mirror == index => Some(Color::WHITE.into()),
+            How::Mask(_) => Some(Color::BLACK.into()),
+            _ => surface.look.clone(),
+        };
+        let mut entity = spawn(
+            world,
+            surface.mesh.clone(),
+            surface.transform,
+            look.as_ref(),
+        );
+        match how {
+            How::Mirrors => {
+                entity.insert(surface.mirror.clone());
+            }
+            How::Reference(mirror) if mirror == index => {
+                // It does not see itself, but its shadow is still there.
+                entity.insert(RenderLayers::layer(CASTING));
+            }
+            _ => {}
+        }
+    }
+    for object in &scene.objects {
+        match how {
+            How::Reference(mirror) => spawn_cut(world, scene, mirror, object),
+            How::Mask(_) => {
+                let look = silhouette(&object.look);
+                spawn(world, object.mesh.clone(), object.transform, Some(&look));
+            }
+            How::Mirrors | How::Plain => {
+                spawn(
+                    world,
+                    object.mesh.clone(),
+                    object.transform,
+                    Some(&object.look),
+                );
+            }
+        }
+    }
+    let eye = match how {
+        How::Reference(mirror) => reflected_eye(&scene.eye, scene.mirrors[mirror].plane()),
+        _ => scene.eye,
+    };
+    let mut camera = world.spawn((scene.camera_bundle(), RenderTarget::from(target), eye));
+    if matches!(how, How::Mask(_)) {
+        camera.insert(Msaa::Off);
+    } else {
+        for touch in &scene.camera {
+            touch(&mut camera);
+        }
+    }
+    camera.id()
+}
+
+fn spawn<'w>(
+    world: &'w mut World,
+    mesh: Mesh,
+    transform: Transform,
+    look: Option<&Look>,
+) -> EntityWorldMut<'w> {
+    let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
+    let mut entity = world.spawn((Mesh3d(mesh), transform));
+    if let Some(look) = look {
+        look.apply(&mut entity);
+    }
+    entity
+}
+
+fn spawn_cut(world: &mut World, scene: &Scene, mirror: usize, object: &super::scene::Object) {
+    let plane = scene.mirrors[mirror].plane();
+    let part = match cut(&object.mesh, exact(&object.transform), plane) {
+        Cut::Whole => {
+            spawn(
+                world,
+                object.mesh.clone(),
+                object.transform,
+                Some(&object.look),
+            );
+            return;
+        }
+        Cut::Part(part) => Some(*part),
+        Cut::Nothing => None,
+    };
+    if let Some(part) = part {
+        spawn(world, part, object.transform, Some(&object.look)).insert(NotShadowCaster);
+    }
+    // A mirror cuts what is seen, not what stands in the light.
+    spawn(
+        world,
+        object.mesh.clone(),
+        object.transform,
+        Some(&object.look),
+    )
+    .insert(RenderLayers::layer(CASTING));
+}
+
+/// The same shape in one color: black, or red where one sees through.
+fn silhouette(look: &Look) -> Look {
+    let Look::Standard(material) = look else {
+        return Color::BLACK.into();
+    };
+    let color = match material.alpha_mode {
+        AlphaMode::Opaque => Color::BLACK,
+        AlphaMode::Mask(_) => Color::BLACK.with_alpha(material.base_color.alpha()),
+        _ => Color::srgb(1.0, 0.0, 0.0),
+    };
+    StandardMaterial {
+        base_color: color,
+        base_color_texture: material.base_color_texture.clone(),
+        unlit: true,
+        alpha_mode: match material.alpha_mode {
+            AlphaMode::Mask(cutoff) => AlphaMode::Mask(cutoff),
+            _ => AlphaMode::Opaque,
+        },
+        double_sided: material.double_sided,
+        cull_mode: material.cull_mode,
+        ..default()
+    }
+    .into()
+}
