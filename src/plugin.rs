@@ -25,7 +25,7 @@ use crate::{
 /// Adds planar mirrors to an app.
 ///
 /// Add it beside `DefaultPlugins`, in any order. Without a renderer nothing is drawn, but the
-/// components work and [`MirrorStatus`] is kept.
+/// components work and [`MirrorStatus`] says so.
 #[derive(Default, Debug, Clone)]
 pub struct PlanarMirrorPlugin {}
 
@@ -99,8 +99,10 @@ impl Plugin for PlanarMirrorPlugin {
     }
 
     fn finish(&self, app: &mut App) {
-        if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
-            render::build_render_app(render_app);
-        }
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        render::build_render_app(render_app);
+        app.world_mut().resource_mut::<ReflectedViews>().can_draw = true;
     }
 }

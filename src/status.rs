@@ -50,6 +50,8 @@ pub enum Projection {
 #[reflect(Clone, Debug, PartialEq, Hash)]
 #[non_exhaustive]
 pub enum NotDrawn {
+    /// The app has no renderer.
+    NoRenderer,
     /// The mirror is hidden by its own or an ancestor's `Visibility`.
     Hidden,
     /// The camera and the mirror share no `RenderLayers`.
@@ -116,6 +118,7 @@ impl fmt::Display for MirrorState {
 impl fmt::Display for NotDrawn {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            Self::NoRenderer => "the app has no renderer",
             Self::Hidden => "hidden",
             Self::OtherLayers => "on other render layers than the camera",
             Self::NoMesh => "no mesh, or not loaded yet",

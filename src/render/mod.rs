@@ -5,6 +5,7 @@
 //! | what to draw, for which camera | `ExtractSchedule`, then before views are prepared | `extract.rs` |
 //! | pipelines with a stencil test and a flipped front face | after `Specialize`, after `Queue` | `variant.rs` |
 //! | shadow maps that no other view draws over | `PrepareResources` | `shadow.rs` |
+//! | what glass in a reflection refracts | `PrepareResources` | `transmission.rs` |
 //! | mask pipelines, textures, bind groups | `PrepareResources`, `PrepareBindGroups` | `mask.rs`, `prepare.rs` |
 //! | mesh uniforms of the reflected views | [`ReflectedView3d`] | here |
 //! | the mirror pass | `Core3d`, between opaque and transparent | `pass.rs` |
@@ -16,6 +17,7 @@ mod mask;
 mod pass;
 mod prepare;
 mod shadow;
+mod transmission;
 mod variant;
 
 use bevy::{
@@ -84,6 +86,7 @@ pub fn build_render_app(render_app: &mut SubApp) {
                 shadow::prepare_mirror_shadows
                     .after(prepare_lights)
                     .in_set(RenderSystems::PrepareResources),
+                transmission::prepare_mirror_transmission.in_set(RenderSystems::PrepareResources),
                 prepare::prepare_mirrors.in_set(RenderSystems::PrepareBindGroups),
                 variant::vary_skyboxes
                     .after(RenderSystems::Prepare)

@@ -1,5 +1,7 @@
 //! The mirror pass: masks into the stencil, then each reflected view where its id stands.
 
+use core::ops::Range;
+
 use bevy::{
     camera::{MainPassResolutionOverride, Viewport},
     core_pipeline::{
@@ -7,16 +9,22 @@ use bevy::{
         skybox::{SkyboxBindGroup, SkyboxPipelineId},
     },
     ecs::{prelude::*, system::SystemParam},
+    image::ToExtents,
     log::error,
-    pbr::{Shadow, Transmissive3d, ViewLightEntities},
+    pbr::{
+        ScreenSpaceTransmission, Shadow, Transmissive3d, ViewLightEntities, ViewTransmissionTexture,
+    },
     render::{
         camera::ExtractedCamera,
         diagnostic::RecordDiagnostics,
         mesh::{RenderMesh, RenderMeshBufferInfo, allocator::MeshAllocator},
         render_asset::RenderAssets,
-        render_phase::{TrackedRenderPass, ViewBinnedRenderPhases, ViewSortedRenderPhases},
+        render_phase::{
+            BinnedRenderPhase, DrawError, SortedRenderPhase, TrackedRenderPass,
+            ViewBinnedRenderPhases, ViewSortedRenderPhases,
+        },
         render_resource::{
-            CachedRenderPipelineId, LoadOp, Operations, PipelineCache,
+            BindGroup, CachedRenderPipelineId, LoadOp, Operations, PipelineCache,
             RenderPassDepthStencilAttachment, RenderPassDescriptor, RenderPipeline, StoreOp,
         },
         renderer::{RenderContext, ViewQuery},
@@ -50,8 +58,14 @@ pub struct PassResources<'w, 's> {
             &'static ExtractedView,
             &'static ViewUniformOffset,
             Option<&'static ViewLightEntities>,
-            Option<&'static SkyboxPipelineId>,
-            Option<&'static SkyboxBindGroup>,
+            (
+                Option<&'static SkyboxPipelineId>,
+                Option<&'static SkyboxBindGroup>,
+            ),
+            (
+                Option<&'static ScreenSpaceTransmission>,
+                Option<&'static ViewTransmissionTexture>,
+            ),
         ),
     >,
 }
@@ -93,6 +107,12 @@ pub fn mirror_pass(
     let diagnostics = diagnostics.as_deref();
     let time_span = diagnostics.time_span(ctx.command_encoder(), "planar_mirror_pass");
 
+    let attachments = Attachments {
+        target,
+        prepared,
+        viewport: viewport.as_ref(),
+    };
+
     if mirrors.iter().any(|mirror| mirror.cascades.is_some()) {
         copy_spot_shadows(
             &resources.shadow_maps,
@@ -101,56 +121,49 @@ pub fn mirror_pass(
             &mut ctx,
         );
     }
-
-    let mut first = true;
-    for group in mirrors.chunk_by(|_, next| next.cascades.is_none()) {
-        if let Some(cascades) = group[0].cascades {
-            draw_cascades(
-                &resources.shadow_maps,
-                cascades,
-                &resources.views,
-                &resources.shadows,
-                world,
-                &mut ctx,
-            );
-        }
-        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
-            label: Some("planar_mirror_pass"),
-            color_attachments: &[Some(target.get_color_attachment())],
-            depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
-                view: &prepared.depth_stencil.default_view,
-                depth_ops: Some(load_or_clear(first, 0.0)),
-                stencil_ops: Some(load_or_clear(first, 0)),
-            }),
-            timestamp_writes: None,
-            occlusion_query_set: None,
-            multiview_mask: None,
-        });
-        if let Some(viewport) = &viewport {
-            pass.set_camera_viewport(viewport);
-        }
-        if first {
-            for mirror in &mirrors {
-                pass.set_stencil_reference(mirror.prepared.id);
-                pass.set_bind_group(1, &prepared.depth_group, &[]);
-                resources.draw_surface(&mut pass, mirror, mirror.mask, prepared, view_offset);
-            }
-            pass.set_render_pipeline(clear_pipeline);
-            pass.set_bind_group(
-                0,
-                &prepared.surface_group,
-                &[view_offset.offset, mirrors[0].prepared.uniform_offset],
-            );
-            pass.set_stencil_reference(0);
-            pass.set_blend_constant(prepared.background);
-            pass.draw(0..3, 0..1);
-            first = false;
-        }
-        for mirror in group {
-            pass.set_stencil_reference(mirror.prepared.id);
-            resources.draw_reflection(&mut pass, world, mirror.prepared.view);
-        }
+    if let Some(cascades) = mirrors[0].cascades {
+        resources.draw_cascades(cascades, world, &mut ctx);
     }
+    let mut pass = attachments.begin(&mut ctx, true);
+    for mirror in &mirrors {
+        pass.set_stencil_reference(mirror.prepared.id);
+        pass.set_bind_group(1, &prepared.depth_group, &[]);
+        resources.draw_surface(&mut pass, mirror, mirror.mask, prepared, view_offset);
+    }
+    pass.set_render_pipeline(clear_pipeline);
+    pass.set_bind_group(
+        0,
+        &prepared.surface_group,
+        &[view_offset.offset, mirrors[0].prepared.uniform_offset],
+    );
+    pass.set_stencil_reference(0);
+    pass.set_blend_constant(prepared.background);
+    pass.draw(0..3, 0..1);
+
+    for (index, mirror) in mirrors.iter().enumerate() {
+        if index > 0
+            && let Some(cascades) = mirror.cascades
+        {
+            drop(pass);
+            resources.draw_cascades(cascades, world, &mut ctx);
+            pass = attachments.begin(&mut ctx, false);
+        }
+        let Some(reflection) = resources.reflection(mirror) else {
+            continue;
+        };
+        pass.set_stencil_reference(mirror.prepared.id);
+        reflection.draw_opaque(&mut pass, world);
+        for items in reflection.transmissive_steps() {
+            // Glass refracts what is in the picture by now: the reflection so far.
+            drop(pass);
+            reflection.copy_for_transmission(target, camera, &mut ctx);
+            pass = attachments.begin(&mut ctx, false);
+            pass.set_stencil_reference(mirror.prepared.id);
+            reflection.draw_transmissive(&mut pass, world, items);
+        }
+        reflection.draw_transparent(&mut pass, world);
+    }
+    drop(pass);
 
     let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
         label: Some("planar_mirror_depth_pass"),
@@ -169,6 +182,35 @@ pub fn mirror_pass(
     drop(pass);
 
     time_span.end(ctx.command_encoder());
+}
+
+/// What the mirror pass draws into.
+struct Attachments<'a> {
+    target: &'a ViewTarget,
+    prepared: &'a ViewMirrors,
+    viewport: Option<&'a Viewport>,
+}
+
+impl Attachments<'_> {
+    /// Begins the pass, or goes on with it. It is left only to draw what a reflection reads.
+    fn begin<'c>(&self, ctx: &'c mut RenderContext, first: bool) -> TrackedRenderPass<'c> {
+        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+            label: Some("planar_mirror_pass"),
+            color_attachments: &[Some(self.target.get_color_attachment())],
+            depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
+                view: &self.prepared.depth_stencil.default_view,
+                depth_ops: Some(load_or_clear(first, 0.0)),
+                stencil_ops: Some(load_or_clear(first, 0)),
+            }),
+            timestamp_writes: None,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        if let Some(viewport) = self.viewport {
+            pass.set_camera_viewport(viewport);
+        }
+        pass
+    }
 }
 
 fn load_or_clear<V>(clear: bool, value: V) -> Operations<V> {
@@ -246,40 +288,130 @@ impl PassResources<'_, '_> {
         }
     }
 
-    /// Everything that the reflected view sees, in the order of the engine's own passes.
-    fn draw_reflection<'w>(
-        &'w self,
-        pass: &mut TrackedRenderPass<'w>,
-        world: &'w World,
-        entity: Entity,
-    ) {
-        let Ok((view, offset, _, skybox_pipeline, skybox_group)) = self.reflected.get(entity)
-        else {
-            return;
-        };
+    /// Draws the cascades of one reflected view into the array that all of them share.
+    fn draw_cascades(&self, cascades: &ViewLightEntities, world: &World, ctx: &mut RenderContext) {
+        draw_cascades(
+            &self.shadow_maps,
+            cascades,
+            &self.views,
+            &self.shadows,
+            world,
+            ctx,
+        );
+    }
+
+    /// The phases of a mirror's reflected view; `None` if it has gone.
+    fn reflection<'a>(&'a self, mirror: &Mirror) -> Option<Reflection<'a>> {
+        let entity = mirror.prepared.view;
+        let (view, offset, _, skybox, transmission) = self.reflected.get(entity).ok()?;
         let key = &view.retained_view_entity;
-        let mut drawn = Ok(());
-        if let Some(phase) = self.opaque.get(key) {
-            drawn = drawn.and(phase.render(pass, world, entity));
+        let (settings, transmission) = transmission;
+        let (pipeline, group) = skybox;
+        let skybox = match (pipeline, group) {
+            (Some(pipeline), Some(SkyboxBindGroup(group))) => {
+                self.pipeline(pipeline.0).map(|pipeline| Skybox {
+                    pipeline,
+                    group: &group.0,
+                    offsets: [offset.offset, group.1],
+                })
+            }
+            _ => None,
+        };
+        Some(Reflection {
+            entity,
+            opaque: self.opaque.get(key),
+            alpha_mask: self.alpha_mask.get(key),
+            skybox,
+            transmissive: self.transmissive.get(key),
+            transmission_steps: settings.map_or(0, |settings| settings.steps),
+            transmission,
+            transparent: self.transparent.get(key),
+        })
+    }
+}
+
+/// Everything that a reflected view sees, in the order of the engine's own passes.
+struct Reflection<'a> {
+    entity: Entity,
+    opaque: Option<&'a BinnedRenderPhase<Opaque3d>>,
+    alpha_mask: Option<&'a BinnedRenderPhase<AlphaMask3d>>,
+    skybox: Option<Skybox<'a>>,
+    transmissive: Option<&'a SortedRenderPhase<Transmissive3d>>,
+    transmission_steps: usize,
+    transmission: Option<&'a ViewTransmissionTexture>,
+    transparent: Option<&'a SortedRenderPhase<Transparent3d>>,
+}
+
+struct Skybox<'a> {
+    pipeline: &'a RenderPipeline,
+    group: &'a BindGroup,
+    offsets: [u32; 2],
+}
+
+impl<'a> Reflection<'a> {
+    fn draw_opaque<'w>(&self, pass: &mut TrackedRenderPass<'w>, world: &'w World)
+    where
+        'a: 'w,
+    {
+        if let Some(phase) = self.opaque {
+            report(phase.render(pass, world, self.entity));
         }
-        if let Some(phase) = self.alpha_mask.get(key) {
-            drawn = drawn.and(phase.render(pass, world, entity));
+        if let Some(phase) = self.alpha_mask {
+            report(phase.render(pass, world, self.entity));
         }
-        if let (Some(pipeline), Some(SkyboxBindGroup(group))) = (skybox_pipeline, skybox_group)
-            && let Some(pipeline) = self.pipeline(pipeline.0)
-        {
-            pass.set_render_pipeline(pipeline);
-            pass.set_bind_group(0, &group.0, &[offset.offset, group.1]);
+        if let Some(skybox) = &self.skybox {
+            pass.set_render_pipeline(skybox.pipeline);
+            pass.set_bind_group(0, skybox.group, &skybox.offsets);
             pass.draw(0..3, 0..1);
         }
-        if let Some(phase) = self.transmissive.get(key) {
-            drawn = drawn.and(phase.render(pass, world, entity));
+    }
+
+    /// The transmissive items, far ones first, in as many steps as the camera takes: each step
+    /// refracts what the ones before have drawn. One step, without a texture, if it takes none.
+    fn transmissive_steps(&self) -> impl Iterator<Item = Range<usize>> + use<> {
+        let count = self.transmissive.map_or(0, |phase| phase.items.len());
+        let steps = self.transmission_steps.clamp(1, count.max(1));
+        (0..steps)
+            .map(move |step| step * count / steps..(step + 1) * count / steps)
+            .filter(|items| !items.is_empty())
+    }
+
+    /// Lets the next transmissive items see the picture as it is now.
+    fn copy_for_transmission(
+        &self,
+        target: &ViewTarget,
+        camera: &ExtractedCamera,
+        ctx: &mut RenderContext,
+    ) {
+        if let (Some(transmission), Some(size)) = (self.transmission, camera.physical_target_size) {
+            ctx.command_encoder().copy_texture_to_texture(
+                target.main_texture().as_image_copy(),
+                transmission.texture.as_image_copy(),
+                size.to_extents(),
+            );
         }
-        if let Some(phase) = self.transparent.get(key) {
-            drawn = drawn.and(phase.render(pass, world, entity));
+    }
+
+    fn draw_transmissive<'w>(
+        &self,
+        pass: &mut TrackedRenderPass<'w>,
+        world: &'w World,
+        items: Range<usize>,
+    ) {
+        if let Some(phase) = self.transmissive {
+            report(phase.render_range(pass, world, self.entity, items));
         }
-        if let Err(err) = drawn {
-            error!("a reflected view's phases: {err:?}");
+    }
+
+    fn draw_transparent<'w>(&self, pass: &mut TrackedRenderPass<'w>, world: &'w World) {
+        if let Some(phase) = self.transparent {
+            report(phase.render(pass, world, self.entity));
         }
+    }
+}
+
+fn report(drawn: Result<(), DrawError>) {
+    if let Err(err) = drawn {
+        error!("a reflected view's phase: {err:?}");
     }
 }

@@ -30,6 +30,7 @@ pub fn apply_reflected_views(world: &mut World) {
         let ReflectedViews {
             decisions,
             entities,
+            ..
         } = &mut *views;
         for view in entities.values_mut() {
             view.wanted = false;

@@ -35,6 +35,7 @@ pub fn clip_reflected_views(
     let ReflectedViews {
         decisions,
         entities,
+        ..
     } = &mut *views;
     for decision in decisions {
         let Ok(planned) = &mut decision.view else {

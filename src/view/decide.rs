@@ -83,7 +83,9 @@ pub fn decide_reflected_views(
         let no_layers = RenderLayers::default();
         let layers = layers.unwrap_or(&no_layers);
         for camera in inputs.iter() {
-            let view = if !visible.get() {
+            let view = if !views.can_draw {
+                Err(NotDrawn::NoRenderer)
+            } else if !visible.get() {
                 Err(NotDrawn::Hidden)
             } else if !camera.layers.intersects(layers) {
                 Err(NotDrawn::OtherLayers)

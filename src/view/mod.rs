@@ -43,6 +43,8 @@ use crate::{
 /// What this frame decided for every pair of a camera and a mirror, and the views that serve them.
 #[derive(Resource, Default)]
 pub struct ReflectedViews {
+    /// Whether there is a renderer to draw them.
+    pub can_draw: bool,
     /// Grouped by mirror.
     pub decisions: Vec<Decision>,
     /// (camera, mirror) -> its reflected view.

@@ -10,7 +10,7 @@ use crate::status::{CameraStatus, MirrorState, MirrorStatus, NotDrawn};
 pub fn report_status(
     views: Res<ReflectedViews>,
     mut statuses: Query<&mut MirrorStatus>,
-    mut warned: Local<HashSet<(Entity, NotDrawn)>>,
+    mut warned: Local<HashSet<(Option<Entity>, NotDrawn)>>,
 ) {
     for mirror in views.decisions.chunk_by(|a, b| a.mirror == b.mirror) {
         let entity = mirror[0].mirror;
@@ -30,7 +30,7 @@ pub fn report_status(
         for CameraStatus { state, .. } in &status.cameras {
             if let MirrorState::NotDrawn(reason) = *state
                 && let Some(remedy) = remedy(reason)
-                && warned.insert((entity, reason))
+                && warned.insert((concerns_one(reason).then_some(entity), reason))
             {
                 warn!("mirror {entity} is not drawn: {reason}. {remedy}");
             }
@@ -48,9 +48,15 @@ fn status_of(decision: &Decision) -> CameraStatus {
     }
 }
 
+/// Whether the reason lies with one mirror; otherwise one line serves for all.
+fn concerns_one(reason: NotDrawn) -> bool {
+    !matches!(reason, NotDrawn::NoRenderer | NotDrawn::TooManyMirrors)
+}
+
 /// What a user can do about it, where it is not simply where the camera stands.
 fn remedy(reason: NotDrawn) -> Option<&'static str> {
     Some(match reason {
+        NotDrawn::NoRenderer => "Add RenderPlugin, which is one of DefaultPlugins.",
         NotDrawn::MeshNotInMainWorld => {
             "Keep it with RenderAssetUsages::MAIN_WORLD, or give the plane with MirrorPlane::Local."
         }
