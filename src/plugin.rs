@@ -18,7 +18,7 @@ use crate::{
     view::{
         MirrorPatches, ReflectedViews, any_reflected_views, apply_reflected_views,
         clip_reflected_views, decide_reflected_views, disable_reflected_views, fit_mirror_planes,
-        report_status,
+        narrow_cascades, report_status,
     },
 };
 
@@ -39,6 +39,9 @@ pub enum MirrorSystems {
     /// Drops what lies behind each mirror, chooses the projections and writes [`MirrorStatus`].
     /// After `VisibilitySystems::CheckVisibility`.
     ClipViews,
+    /// Leaves out directional shadows that fall on nothing seen in a mirror. Between
+    /// `SimulationLightSystems::UpdateLightFrusta` and `CheckLightVisibility`.
+    NarrowShadows,
     /// Takes the reflected views out of sight again. Between [`UpdateViews`](Self::UpdateViews)
     /// and this, queries for cameras find them too.
     HideViews,
@@ -63,6 +66,9 @@ impl Plugin for PlanarMirrorPlugin {
                         .before(VisibilitySystems::CheckVisibility)
                         .before(SimulationLightSystems::UpdateDirectionalLightCascades),
                     MirrorSystems::ClipViews.after(VisibilitySystems::CheckVisibility),
+                    MirrorSystems::NarrowShadows
+                        .after(SimulationLightSystems::UpdateLightFrusta)
+                        .before(SimulationLightSystems::CheckLightVisibility),
                     MirrorSystems::HideViews
                         .after(VisibilitySystems::MarkNewlyHiddenEntitiesInvisible)
                         .after(SimulationLightSystems::UpdateLightFrusta)
@@ -87,6 +93,9 @@ impl Plugin for PlanarMirrorPlugin {
                     )
                         .chain()
                         .in_set(MirrorSystems::ClipViews),
+                    narrow_cascades
+                        .run_if(any_reflected_views)
+                        .in_set(MirrorSystems::NarrowShadows),
                     disable_reflected_views
                         .run_if(any_reflected_views)
                         .in_set(MirrorSystems::HideViews),

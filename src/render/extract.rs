@@ -14,9 +14,9 @@ use bevy::{
     },
     transform::components::GlobalTransform,
 };
-use glam::Mat4;
+use glam::{Mat4, Vec2};
 
-use crate::view::ReflectedView;
+use crate::view::{DepthRange, ReflectedView};
 
 /// Every reflection of this frame, grouped by camera.
 #[derive(Resource, Default)]
@@ -32,6 +32,9 @@ pub struct ExtractedMirror {
     pub mesh: AssetId<Mesh>,
     pub world_from_local: Mat4,
     pub clip_from_view: Mat4,
+    /// See [`ReflectedView`].
+    pub ndc_bounds: (Vec2, Vec2),
+    pub depths: DepthRange,
 }
 
 pub fn extract_mirrors(
@@ -53,6 +56,8 @@ pub fn extract_mirrors(
             mesh: mesh.id(),
             world_from_local: transform.to_matrix(),
             clip_from_view: reflected.clip_from_view,
+            ndc_bounds: reflected.ndc_bounds,
+            depths: reflected.depths,
         });
     }
     // Stable, so that ids and draw order do not jump between frames.

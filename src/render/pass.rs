@@ -12,7 +12,8 @@ use bevy::{
     image::ToExtents,
     log::error,
     pbr::{
-        ScreenSpaceTransmission, Shadow, Transmissive3d, ViewLightEntities, ViewTransmissionTexture,
+        ExtractedDirectionalLight, LightEntity, ScreenSpaceTransmission, Shadow, Transmissive3d,
+        ViewLightEntities, ViewTransmissionTexture,
     },
     render::{
         camera::ExtractedCamera,
@@ -32,6 +33,8 @@ use bevy::{
     },
 };
 
+use glam::{UVec2, Vec2};
+
 use super::{
     prepare::{PreparedMirror, ViewMirrors},
     shadow::{MirrorShadowMaps, ShadowCopy, copy_spot_shadows, draw_cascades},
@@ -50,7 +53,8 @@ pub struct PassResources<'w, 's> {
     cache: Res<'w, PipelineCache>,
     meshes: Res<'w, RenderAssets<RenderMesh>>,
     allocator: Res<'w, MeshAllocator>,
-    views: Query<'w, 's, &'static ExtractedView>,
+    light_views: Query<'w, 's, (&'static ExtractedView, &'static LightEntity)>,
+    lights: Query<'w, 's, &'static ExtractedDirectionalLight>,
     reflected: Query<
         'w,
         's,
@@ -121,9 +125,7 @@ pub fn mirror_pass(
             &mut ctx,
         );
     }
-    if let Some(cascades) = mirrors[0].cascades {
-        resources.draw_cascades(cascades, world, &mut ctx);
-    }
+    resources.draw_cascades(&mirrors[0], world, &mut ctx);
     let mut pass = attachments.begin(&mut ctx, true);
     for mirror in &mirrors {
         pass.set_stencil_reference(mirror.prepared.id);
@@ -141,24 +143,22 @@ pub fn mirror_pass(
     pass.draw(0..3, 0..1);
 
     for (index, mirror) in mirrors.iter().enumerate() {
-        if index > 0
-            && let Some(cascades) = mirror.cascades
-        {
+        if index > 0 && mirror.cascades.is_some() {
             drop(pass);
-            resources.draw_cascades(cascades, world, &mut ctx);
+            resources.draw_cascades(mirror, world, &mut ctx);
             pass = attachments.begin(&mut ctx, false);
         }
         let Some(reflection) = resources.reflection(mirror) else {
             continue;
         };
-        pass.set_stencil_reference(mirror.prepared.id);
+        attachments.limit(&mut pass, mirror);
         reflection.draw_opaque(&mut pass, world);
         for items in reflection.transmissive_steps() {
             // Glass refracts what is in the picture by now: the reflection so far.
             drop(pass);
             reflection.copy_for_transmission(target, camera, &mut ctx);
             pass = attachments.begin(&mut ctx, false);
-            pass.set_stencil_reference(mirror.prepared.id);
+            attachments.limit(&mut pass, mirror);
             reflection.draw_transmissive(&mut pass, world, items);
         }
         reflection.draw_transparent(&mut pass, world);
@@ -211,6 +211,30 @@ impl Attachments<'_> {
         }
         pass
     }
+
+    /// Lets the pass draw only where the mirror can be seen.
+    fn limit(&self, pass: &mut TrackedRenderPass, mirror: &Mirror) {
+        pass.set_stencil_reference(mirror.prepared.id);
+        let (min, size) = match self.viewport {
+            Some(viewport) => (viewport.physical_position, viewport.physical_size),
+            None => {
+                let size = self.prepared.depth_stencil.texture.size();
+                (UVec2::ZERO, UVec2::new(size.width, size.height))
+            }
+        };
+        let (low, high) = pixel_bounds(mirror.prepared.ndc_bounds, size);
+        pass.set_scissor_rect(min.x + low.x, min.y + low.y, high.x - low.x, high.y - low.y);
+    }
+}
+
+/// The pixels within device coordinates, and two around them for jitter and rounding.
+fn pixel_bounds((low, high): (Vec2, Vec2), size: UVec2) -> (UVec2, UVec2) {
+    const AROUND: Vec2 = Vec2::splat(2.0);
+    let pixel = |ndc: Vec2| (ndc * Vec2::new(0.5, -0.5) + 0.5) * size.as_vec2();
+    let min = (pixel(Vec2::new(low.x, high.y)) - AROUND).floor();
+    let max = (pixel(Vec2::new(high.x, low.y)) + AROUND).ceil();
+    // Converting to unsigned numbers cuts off at 0.
+    (min.as_uvec2().min(size), max.as_uvec2().min(size))
 }
 
 fn load_or_clear<V>(clear: bool, value: V) -> Operations<V> {
@@ -288,12 +312,17 @@ impl PassResources<'_, '_> {
         }
     }
 
-    /// Draws the cascades of one reflected view into the array that all of them share.
-    fn draw_cascades(&self, cascades: &ViewLightEntities, world: &World, ctx: &mut RenderContext) {
+    /// Draws what a reflection reads of its cascades into the array that all reflections share.
+    fn draw_cascades(&self, mirror: &Mirror, world: &World, ctx: &mut RenderContext) {
+        let Some(cascades) = mirror.cascades else {
+            return;
+        };
         draw_cascades(
             &self.shadow_maps,
             cascades,
-            &self.views,
+            mirror.prepared.depths,
+            &self.light_views,
+            &self.lights,
             &self.shadows,
             world,
             ctx,

@@ -20,13 +20,14 @@ use bevy::{
         view::{ExtractedView, Msaa, ViewDepthTexture, ViewUniforms},
     },
 };
-use glam::Mat4;
+use glam::{Mat4, Vec2};
 
 use super::{
     extract::ExtractedMirrors,
     mask::{MirrorPipelines, PassKey, SpecializedMasks, Surface},
     variant::StencilVariants,
 };
+use crate::view::DepthRange;
 
 /// Of one mirror's surface. The same struct stands in `mask.wgsl`.
 #[derive(ShaderType)]
@@ -60,6 +61,10 @@ pub struct PreparedMirror {
     pub mask_pipeline: CachedRenderPipelineId,
     pub depth_pipeline: CachedRenderPipelineId,
     pub uniform_offset: u32,
+    /// The lowest and the highest device coordinates of what is seen of the mirror.
+    pub ndc_bounds: (Vec2, Vec2),
+    /// Which shadow cascades the reflection reads.
+    pub depths: DepthRange,
 }
 
 /// Takes [`ViewMirrors`] off cameras that show none any more.
@@ -162,6 +167,8 @@ pub fn prepare_mirrors(
                         mask_pipeline: pipeline(Surface::Mask)?,
                         depth_pipeline: pipeline(Surface::Depth)?,
                         uniform_offset,
+                        ndc_bounds: mirror.ndc_bounds,
+                        depths: mirror.depths,
                     })
                 });
         let mirrors = prepared.collect();

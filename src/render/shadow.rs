@@ -14,7 +14,7 @@ use bevy::{
     core_pipeline::core_3d::CORE_3D_DEPTH_FORMAT,
     ecs::prelude::*,
     log::error,
-    pbr::{LightEntity, Shadow, ViewLightEntities, ViewShadowBindings},
+    pbr::{ExtractedDirectionalLight, LightEntity, Shadow, ViewLightEntities, ViewShadowBindings},
     render::{
         render_phase::ViewBinnedRenderPhases,
         render_resource::{
@@ -33,6 +33,7 @@ use bevy::{
 };
 
 use super::extract::ExtractedMirrors;
+use crate::view::{DepthRange, cascade_is_sampled};
 
 /// The pipeline that copies one layer.
 #[derive(Resource)]
@@ -191,19 +192,30 @@ pub fn copy_spot_shadows(
     }
 }
 
-/// Draws the cascades of one reflected view.
+/// Draws the cascades of one reflected view that something at the `seen` depths reads.
 pub fn draw_cascades(
     maps: &MirrorShadowMaps,
     cascades: &ViewLightEntities,
-    views: &Query<&ExtractedView>,
+    seen: DepthRange,
+    views: &Query<(&ExtractedView, &LightEntity)>,
+    lights: &Query<&ExtractedDirectionalLight>,
     phases: &ViewBinnedRenderPhases<Shadow>,
     world: &World,
     ctx: &mut RenderContext,
 ) {
     for (&light_view, target) in cascades.lights.iter().zip(&maps.layers) {
-        let Ok(view) = views.get(light_view) else {
+        let Ok((view, light)) = views.get(light_view) else {
             continue;
         };
+        if let LightEntity::Directional {
+            light_entity,
+            cascade_index,
+        } = light
+            && let Ok(light) = lights.get(*light_entity)
+            && !cascade_is_sampled(&light.cascade_shadow_config, *cascade_index, seen)
+        {
+            continue;
+        }
         let Some(phase) = phases.get(&view.retained_view_entity) else {
             continue;
         };

@@ -13,7 +13,8 @@ use bevy::{
 use glam::DAffine3;
 
 use super::{
-    Decision, PlannedView, ReflectedView, ReflectedViews, ViewEntity, copy::copy_camera_components,
+    Decision, DepthRange, PlannedView, ReflectedView, ReflectedViews, ViewEntity,
+    copy::copy_camera_components,
 };
 use crate::{
     math::{Plane, narrowed_sides, reflect_vector},
@@ -88,6 +89,8 @@ fn spawn_view(world: &mut World, camera: Entity, mirror: Entity) -> Entity {
             camera,
             mirror,
             clip_from_view: Default::default(),
+            ndc_bounds: Default::default(),
+            depths: DepthRange::EVERYTHING,
         },
         Camera3d::default(),
         // Its phases are drawn in the user's camera's schedule, where indirect parameters that

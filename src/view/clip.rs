@@ -14,7 +14,7 @@ use bevy::{
 };
 use glam::{DMat4, DVec3, DVec4};
 
-use super::{PlannedView, ReflectedView, ReflectedViews};
+use super::{DepthRange, PlannedView, ReflectedView, ReflectedViews};
 use crate::{
     math::{Side, classify, signed_distance_range},
     mirror::MirrorClip,
@@ -48,63 +48,118 @@ pub fn clip_reflected_views(
             continue;
         };
         let clip_from_view = camera.clip_from_view();
-        let depth = depth_from_world(planned, &clip_from_view.as_dmat4());
-        let mut crossed = !uncounted.is_empty();
+        let view_from_world = DMat4::from(planned.plan.world_from_view.inverse());
+        let rows = DepthRows {
+            clip_w: (clip_from_view.as_dmat4() * view_from_world).row(3),
+            view_depth: -view_from_world.row(2),
+        };
+        let mut seen = Seen {
+            crossed: !uncounted.is_empty(),
+            depths: if uncounted.is_empty() {
+                DepthRange::NOTHING
+            } else {
+                DepthRange::EVERYTHING
+            },
+        };
         visible
             .get_mut(TypeId::of::<Mesh3d>())
             .retain(|&entity| match objects.get(entity) {
                 _ if entity == decision.mirror => false,
-                Ok(bounds) => {
-                    let side = side_of(bounds, planned, depth);
-                    crossed |= side == Side::Straddling;
-                    side != Side::Behind
-                }
+                Ok(bounds) => seen.shows(bounds, planned, &rows),
                 Err(_) => true,
             });
         planned.projection = match planned.clip {
-            MirrorClip::Auto if !crossed => Projection::Plain,
+            MirrorClip::Auto if !seen.crossed => Projection::Plain,
             MirrorClip::Auto | MirrorClip::Oblique => Projection::Oblique,
             MirrorClip::Whole => Projection::Plain,
         };
+        planned.depths = seen.depths;
+        let (low, high) = planned.plan.polygon.ndc_bounds();
         reflected.clip_from_view = match planned.projection {
             Projection::Plain => clip_from_view,
             Projection::Oblique => planned.plan.clip_from_view_oblique.as_mat4(),
         };
+        reflected.ndc_bounds = (low.as_vec2(), high.as_vec2());
+        reflected.depths = seen.depths;
     }
 }
 
-/// The covector that gives the view depth (clip `w`) of a point in the world.
-fn depth_from_world(planned: &PlannedView, clip_from_view: &DMat4) -> DVec4 {
-    let view_from_world = DMat4::from(planned.plan.world_from_view.inverse());
-    (*clip_from_view * view_from_world).row(3)
+/// Covectors that give the depth of a point in the world, in two measures.
+struct DepthRows {
+    /// Clip `w`.
+    clip_w: DVec4,
+    /// `-z` in view space.
+    view_depth: DVec4,
 }
 
-/// On which side of the mirror an object lies. An object without bounds may be on both.
-fn side_of(
-    (transform, aabb, unbounded): (&GlobalTransform, Option<&Aabb>, bool),
-    planned: &PlannedView,
-    depth: DVec4,
-) -> Side {
-    let (Some(aabb), false) = (aabb, unbounded) else {
-        return Side::Straddling;
-    };
-    let world_from_local = transform.affine().as_daffine3();
-    let center = world_from_local.transform_point3(DVec3::from(aabb.center.as_dvec3()));
-    let half = DVec3::from(aabb.half_extents.as_dvec3());
-    let axes = world_from_local.matrix3;
-    let half_axes = [
-        axes.x_axis * half.x,
-        axes.y_axis * half.y,
-        axes.z_axis * half.z,
-    ];
-    // The tolerance grows with depth, so the nearest point of the box is the strictest.
-    let reach: f64 = half_axes
-        .iter()
-        .map(|axis| depth.truncate().dot(*axis).abs())
-        .sum();
-    let nearest = (depth.dot(center.extend(1.0)) - reach).max(0.0);
-    classify(
-        signed_distance_range(&planned.plane, center, half_axes),
-        planned.plan.ghost_tolerance(nearest),
-    )
+/// What is known of all that a reflected view shows.
+struct Seen {
+    crossed: bool,
+    depths: DepthRange,
+}
+
+impl Seen {
+    /// Whether an object shows in the mirror, and what follows for the view.
+    ///
+    /// An object without bounds may be anywhere.
+    fn shows(
+        &mut self,
+        (transform, aabb, unbounded): (&GlobalTransform, Option<&Aabb>, bool),
+        planned: &PlannedView,
+        rows: &DepthRows,
+    ) -> bool {
+        let (Some(aabb), false) = (aabb, unbounded) else {
+            self.crossed = true;
+            self.depths = DepthRange::EVERYTHING;
+            return true;
+        };
+        let bounds = WorldBox::new(transform, aabb);
+        // The tolerance grows with depth, so the nearest point of the box is the strictest.
+        let (nearest, _) = bounds.range(rows.clip_w);
+        let side = classify(
+            signed_distance_range(&planned.plane, bounds.center, bounds.half_axes),
+            planned.plan.ghost_tolerance(nearest.max(0.0)),
+        );
+        if side == Side::Behind {
+            return false;
+        }
+        self.crossed |= side == Side::Straddling;
+        let (near, far) = bounds.range(rows.view_depth);
+        self.depths.include(near as f32, far as f32);
+        true
+    }
+}
+
+/// A box with its axes in the world.
+struct WorldBox {
+    center: DVec3,
+    /// From the center to the middles of three faces.
+    half_axes: [DVec3; 3],
+}
+
+impl WorldBox {
+    fn new(transform: &GlobalTransform, aabb: &Aabb) -> Self {
+        let world_from_local = transform.affine().as_daffine3();
+        let half = DVec3::from(aabb.half_extents.as_dvec3());
+        let axes = world_from_local.matrix3;
+        Self {
+            center: world_from_local.transform_point3(DVec3::from(aabb.center.as_dvec3())),
+            half_axes: [
+                axes.x_axis * half.x,
+                axes.y_axis * half.y,
+                axes.z_axis * half.z,
+            ],
+        }
+    }
+
+    /// The least and the greatest value of a covector over the box.
+    fn range(&self, covector: DVec4) -> (f64, f64) {
+        let middle = covector.dot(self.center.extend(1.0));
+        let reach: f64 = self
+            .half_axes
+            .iter()
+            .map(|axis| covector.truncate().dot(*axis).abs())
+            .sum();
+        (middle - reach, middle + reach)
+    }
 }

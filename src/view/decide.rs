@@ -14,7 +14,7 @@ use bevy::{
 };
 use glam::{DAffine3, DMat4, DVec2, DVec3};
 
-use super::{Decision, PlannedView, ReflectedView, ReflectedViews, fit::MirrorPatches};
+use super::{Decision, DepthRange, PlannedView, ReflectedView, ReflectedViews, fit::MirrorPatches};
 use crate::{
     math::{PlanarPatch, Plane, Skip, ViewInput, plan_reflected_view, transform_patch},
     mirror::{MirrorPlane, NoMirrors, PlanarMirror},
@@ -95,6 +95,7 @@ pub fn decide_reflected_views(
                     plan,
                     clip: settings.clip,
                     projection: Projection::Plain,
+                    depths: DepthRange::EVERYTHING,
                 })
             };
             views.decisions.push(Decision {

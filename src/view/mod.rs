@@ -12,6 +12,7 @@
 //! | decide which camera sees which mirror | `decide.rs` |
 //! | bring the entities in line with that | `apply.rs`, `copy.rs` |
 //! | after visibility: drop what is behind, choose the projection | `clip.rs` |
+//! | leave out shadows that fall on nothing visible | `shadow.rs` |
 //! | write [`MirrorStatus`](crate::MirrorStatus) | `report.rs` |
 //!
 //! Users never meet a reflected view: it carries `Disabled`, which keeps it out of every query
@@ -24,15 +25,17 @@ mod copy;
 mod decide;
 mod fit;
 mod report;
+mod shadow;
 
 use bevy::{ecs::prelude::*, platform::collections::HashMap};
-use glam::Mat4;
+use glam::{Mat4, Vec2};
 
 pub use apply::{apply_reflected_views, disable_reflected_views, enable_reflected_views};
 pub use clip::clip_reflected_views;
 pub use decide::decide_reflected_views;
 pub use fit::{MirrorPatches, fit_mirror_planes};
 pub use report::report_status;
+pub use shadow::{cascade_is_sampled, narrow_cascades};
 
 use crate::{
     math::{Plane, ReflectedViewPlan},
@@ -72,6 +75,36 @@ pub struct PlannedView {
     pub clip: MirrorClip,
     /// Filled in once visibility is known.
     pub projection: Projection,
+    /// The least and the greatest view depth of anything visible. Filled in with `projection`.
+    pub depths: DepthRange,
+}
+
+/// View depths (`-z`) from the nearest to the farthest point; `near > far` for nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepthRange {
+    pub near: f32,
+    pub far: f32,
+}
+
+impl DepthRange {
+    pub const NOTHING: Self = Self {
+        near: f32::INFINITY,
+        far: f32::NEG_INFINITY,
+    };
+    pub const EVERYTHING: Self = Self {
+        near: f32::NEG_INFINITY,
+        far: f32::INFINITY,
+    };
+
+    /// Widens to hold these depths too. What is not a number may be anywhere.
+    pub fn include(&mut self, near: f32, far: f32) {
+        if near.is_nan() || far.is_nan() {
+            *self = Self::EVERYTHING;
+        } else {
+            self.near = self.near.min(near);
+            self.far = self.far.max(far);
+        }
+    }
 }
 
 /// On a reflected view: whose it is, and the projection that the GPU shall use.
@@ -86,6 +119,10 @@ pub struct ReflectedView {
     /// The mirror that it is seen in.
     pub mirror: Entity,
     pub clip_from_view: Mat4,
+    /// The lowest and the highest device coordinates of what is seen of the mirror.
+    pub ndc_bounds: (Vec2, Vec2),
+    /// Of everything that is visible in it.
+    pub depths: DepthRange,
 }
 
 /// Whether there is anything to do, or to undo: a scene without mirrors runs none of the rest.
