@@ -1,4 +1,145 @@
-//! Planar mirrors for Bevy.
+//! Planar mirrors for Bevy: put one component on a flat mesh, and every 3D camera sees the scene
+//! reflected in it.
+//!
+//! The reflection is drawn straight into the picture of each camera, so it has that camera's
+//! resolution, samples, exposure and tone mapping. What crosses the mirror is cut at it, what lies
+//! behind it never shows, and a translucent material on the mirror blends over the reflection as
+//! over anything else.
+//!
+//! # A mirror
+//!
+//! Add the plugin, and [`PlanarMirror`] beside a `Mesh3d`. There is no camera to set up, no image
+//! to make and no size to keep.
+//!
+//! ```no_run
+//! use bevy::prelude::*;
+//! use bevy_planar_mirror::prelude::*;
+//!
+//! fn main() {
+//!     App::new()
+//!         .add_plugins((DefaultPlugins, PlanarMirrorPlugin::default()))
+//!         .add_systems(Startup, setup)
+//!         .run();
+//! }
+//!
+//! fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
+//!     commands.spawn((
+//!         Mesh3d(meshes.add(Rectangle::new(3.0, 2.0))),
+//!         Transform::from_xyz(0.0, 1.0, -2.0),
+//!         PlanarMirror::default(),
+//!     ));
+//!     // ... and a camera, lights and something to reflect, as in any scene.
+//! }
+//! ```
+//!
+//! Only the front reflects: the side from which the triangles wind counter-clockwise, which is +Z
+//! for a `Rectangle` and +Y for a `Plane3d`. Any flat mesh will do, also one modelled away from its
+//! pivot; its plane is fitted to its triangles. A mesh that is not kept in the main world needs the
+//! plane told, by [`MirrorPlane::Local`].
+//!
+//! # What lies over the reflection
+//!
+//! Without a material, or with an opaque one, the mesh is a perfect mirror. A material that blends
+//! is drawn over the reflection by its own formula: here, half floor and half reflection.
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_planar_mirror::prelude::*;
+//! fn polished_floor(
+//!     mut commands: Commands,
+//!     mut meshes: ResMut<Assets<Mesh>>,
+//!     mut materials: ResMut<Assets<StandardMaterial>>,
+//! ) {
+//!     commands.spawn((
+//!         Mesh3d(meshes.add(Plane3d::default().mesh().size(10.0, 10.0))),
+//!         MeshMaterial3d(materials.add(StandardMaterial {
+//!             base_color: Color::srgba(0.6, 0.6, 0.6, 0.5),
+//!             alpha_mode: AlphaMode::Blend,
+//!             ..default()
+//!         })),
+//!         PlanarMirror::default(),
+//!     ));
+//! }
+//! ```
+//!
+//! # Why a mirror is dark
+//!
+//! [`MirrorStatus`] is on every mirror and says, camera by camera, whether the reflection is drawn
+//! and otherwise why not. What only you can mend, as a mesh that is not flat, is also in the log,
+//! once, as a warning of `bevy_planar_mirror`.
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_planar_mirror::prelude::*;
+//! fn print_status(mirrors: Query<(Entity, &MirrorStatus), Changed<MirrorStatus>>) {
+//!     for (mirror, status) in &mirrors {
+//!         for seen in &status.cameras {
+//!             println!("{mirror}, seen by {}: {}", seen.camera, seen.state);
+//!         }
+//!     }
+//! }
+//! ```
+//!
+//! | you see | look at |
+//! |---|---|
+//! | the mesh as if it were no mirror | its [`MirrorStatus`]: [`NotDrawn`] names the reason |
+//! | nothing from one side | the front: turn the mesh around, or give [`MirrorPlane::Local`] a normal |
+//! | a mirror that hides all behind it | that is what it does; a surface to see through is not done yet |
+//! | no reflection in one camera | [`NoMirrors`] on it, its `RenderLayers`, deferred rendering |
+//!
+//! # Which camera sees which mirror
+//!
+//! Every active `Camera3d` sees every visible mirror on its `RenderLayers`, and what it sees in it
+//! is what those layers show. [`NoMirrors`] on a camera leaves it out.
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_planar_mirror::prelude::*;
+//! fn spawn_minimap(mut commands: Commands) {
+//!     commands.spawn((Camera3d::default(), Camera { order: 1, ..default() }, NoMirrors));
+//! }
+//! ```
+//!
+//! Your systems never meet the plugin's own views: `Single<&Camera3d>`, picking and the camera of
+//! the UI are what they would be without it, and no component of yours is edited. The plugin works
+//! in `PostUpdate`, after transforms are propagated, so a mirror and a camera that move are seen
+//! where they are in this very frame. To order systems of yours against it, see [`MirrorSystems`].
+//!
+//! # How it works
+//!
+//! 1. The plane is fitted to the mesh, in `f64`: [`math::fit_patch`].
+//! 2. For each camera that sees the front of it there is a *reflected view*: the camera, reflected
+//!    about the plane, with the same projection and without a target of its own. Bevy finds what is
+//!    visible from there, and sorts and batches it as for any view.
+//! 3. What lies wholly behind the plane is dropped. If something crosses the plane, the view's near
+//!    plane is moved onto it ([`math::with_oblique_near_plane`]), which cuts it there.
+//! 4. Between the camera's opaque and transparent passes, the *mirror pass* draws the mesh into a
+//!    stencil where nothing stands before it, then the reflected view where that stencil is set.
+//!    The pipelines are Bevy's own with a stencil test added and the front face turned around, as a
+//!    reflection turns the winding around.
+//! 5. The mirror's depth goes into the camera's, and the transparent pass draws the mirror's own
+//!    material over the reflection.
+//!
+//! The geometry is a module of its own, [`math`], which knows nothing of Bevy.
+//!
+//! | word | meaning |
+//! |---|---|
+//! | reflected view | the scene as seen by the camera's mirror image |
+//! | front | the side of the plane that its normal points to, and that reflects |
+//! | mask | the pixels in which a mirror shows, as marked in the stencil |
+//! | plain projection | the camera's own; enough while nothing crosses the plane |
+//! | oblique near plane | a near plane that lies on the mirror instead of square to the view |
+//!
+//! # Limits
+//!
+//! - Mirrors do not show in mirrors as such: of a mirror in a mirror one sees its material, if any.
+//! - A camera that renders deferred sees no mirrors, and the status says so.
+//! - The reflection is sharp: there is no roughness and no blur.
+//! - What screen-space effects and temporal filters read of a mirror's pixels, depth, normals and
+//!   motion, is that of its surface and not of what is reflected.
+//! - Of what is not a mesh, a skybox or a phase item, as `Atmosphere` or volumetric fog, nothing
+//!   shows in a reflection.
+//! - At most 255 mirrors show in one camera; of more, the nearest.
 
 pub mod math;
 mod mirror;

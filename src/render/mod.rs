@@ -7,7 +7,7 @@
 //! | shadow maps that no other view draws over | `PrepareResources` | `shadow.rs` |
 //! | what glass in a reflection refracts | `PrepareResources` | `transmission.rs` |
 //! | mask pipelines, textures, bind groups | `PrepareResources`, `PrepareBindGroups` | `mask.rs`, `prepare.rs` |
-//! | mesh uniforms of the reflected views | [`ReflectedView3d`] | here |
+//! | mesh uniforms and light clusters of a reflected view | its own `Core3d`, before its camera's | the engine |
 //! | the mirror pass | `Core3d`, between opaque and transparent | `pass.rs` |
 //!
 //! Every step does nothing while [`ExtractedMirrors`] is empty.
@@ -27,21 +27,13 @@ use bevy::{
         core_3d::{main_opaque_pass_3d, main_transparent_pass_3d},
         schedule::{Core3d, Core3dSystems},
     },
-    ecs::{
-        prelude::*,
-        schedule::{Schedule, ScheduleBuildSettings, ScheduleLabel},
-    },
-    pbr::{PreprocessPipelines, early_gpu_preprocess, main_transmissive_pass_3d, prepare_lights},
+    ecs::prelude::*,
+    pbr::{main_transmissive_pass_3d, prepare_lights},
     render::{ExtractSchedule, GpuResourceAppExt, Render, RenderStartup, RenderSystems},
 };
 
 use self::{extract::ExtractedMirrors, variant::StencilVariants};
 use crate::view::{disable_reflected_views, enable_reflected_views};
-
-/// The schedule of a reflected view: what has to happen before its phases can be drawn in
-/// another camera's pass, and nothing else of `Core3d`.
-#[derive(ScheduleLabel, Debug, Clone, PartialEq, Eq, Hash, Default)]
-pub struct ReflectedView3d;
 
 /// Embeds the shaders. Needs the app's assets.
 pub fn embed_shaders(app: &mut App) {
@@ -51,20 +43,11 @@ pub fn embed_shaders(app: &mut App) {
 
 /// Adds every render-world system, in its order.
 pub fn build_render_app(render_app: &mut SubApp) {
-    let mut reflected_view = Schedule::new(ReflectedView3d);
-    reflected_view
-        .set_build_settings(ScheduleBuildSettings {
-            auto_insert_apply_deferred: false,
-            ..Default::default()
-        })
-        .add_systems(early_gpu_preprocess.run_if(resource_exists::<PreprocessPipelines>));
-
     render_app
         .init_resource::<ExtractedMirrors>()
         .init_gpu_resource::<StencilVariants>()
         .init_gpu_resource::<prepare::MirrorUniforms>()
         .init_gpu_resource::<mask::SpecializedMasks>()
-        .add_schedule(reflected_view)
         .add_systems(
             RenderStartup,
             (mask::init_mirror_pipelines, shadow::init_shadow_copy),

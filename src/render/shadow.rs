@@ -14,7 +14,10 @@ use bevy::{
     core_pipeline::core_3d::CORE_3D_DEPTH_FORMAT,
     ecs::prelude::*,
     log::error,
-    pbr::{ExtractedDirectionalLight, LightEntity, Shadow, ViewLightEntities, ViewShadowBindings},
+    pbr::{
+        ExtractedDirectionalLight, LightEntity, Shadow, ShadowView, ViewLightEntities,
+        ViewShadowBindings,
+    },
     render::{
         render_phase::ViewBinnedRenderPhases,
         render_resource::{
@@ -85,8 +88,10 @@ pub fn init_shadow_copy(
     commands.init_resource::<MirrorShadowMaps>();
 }
 
-/// Gives every reflected view that has cascades the array of the reflected views.
+/// Gives every reflected view that has cascades the array of the reflected views, and keeps the
+/// engine from drawing them into the shared one.
 pub fn prepare_mirror_shadows(
+    mut commands: Commands,
     mirrors: Res<ExtractedMirrors>,
     mut bindings: Query<(&ViewLightEntities, &mut ViewShadowBindings)>,
     lights: Query<&LightEntity>,
@@ -110,6 +115,9 @@ pub fn prepare_mirror_shadows(
         };
         if lights_of_view.lights.is_empty() {
             continue;
+        }
+        for light_view in &lights_of_view.lights {
+            commands.entity(*light_view).remove::<ShadowView>();
         }
         let (texture, view) = own.get_or_insert_with(|| {
             let shared = &binding.directional_light_depth_texture;

@@ -7,7 +7,7 @@ use bevy::{
         Affine3A,
         primitives::{HalfSpace, ViewFrustum},
     },
-    render::{camera::CameraRenderGraph, view::NoIndirectDrawing},
+    render::view::NoIndirectDrawing,
     transform::components::{GlobalTransform, Transform},
 };
 use glam::DAffine3;
@@ -16,10 +16,7 @@ use super::{
     Decision, DepthRange, PlannedView, ReflectedView, ReflectedViews, ViewEntity,
     copy::copy_camera_components,
 };
-use crate::{
-    math::{Plane, narrowed_sides, reflect_vector},
-    render::ReflectedView3d,
-};
+use crate::math::{Plane, narrowed_sides, reflect_vector};
 
 /// Spawns, updates and despawns reflected views, and lets Bevy see them until
 /// [`disable_reflected_views`].
@@ -40,19 +37,22 @@ pub fn apply_reflected_views(world: &mut World) {
             .iter()
             .filter_map(|decision| Some((decision, decision.view.as_ref().ok()?)));
         for (index, (&Decision { camera, mirror, .. }, planned)) in drawn.enumerate() {
-            let view = entities
-                .entry((camera, mirror))
-                .or_insert_with(|| ViewEntity {
-                    entity: spawn_view(world, camera, mirror),
+            let known = entities
+                .get(&(camera, mirror))
+                .map(|view| view.entity)
+                // Somebody may have cleared the world.
+                .filter(|view| world.get_entity(*view).is_ok());
+            let entity = known.unwrap_or_else(|| spawn_view(world, camera, mirror));
+            entities.insert(
+                (camera, mirror),
+                ViewEntity {
+                    entity,
                     wanted: true,
-                });
-            // Somebody may have cleared the world.
-            if world.get_entity(view.entity).is_err() {
-                view.entity = spawn_view(world, camera, mirror);
-            }
-            view.wanted = true;
-            update_view(world, camera, view.entity, planned, index);
-            world.entity_mut(view.entity).remove::<Disabled>();
+                },
+            );
+            copy_camera_components(world, camera, entity, known.is_none());
+            update_view(world, camera, entity, planned, index);
+            world.entity_mut(entity).remove::<Disabled>();
         }
         entities.retain(|_, view| {
             if !view.wanted {
@@ -96,7 +96,6 @@ fn spawn_view(world: &mut World, camera: Entity, mirror: Entity) -> Entity {
         // Its phases are drawn in the user's camera's schedule, where indirect parameters that
         // were prepared for another view are gone.
         NoIndirectDrawing,
-        CameraRenderGraph::new(ReflectedView3d),
     ));
     // Its place is computed, not propagated.
     view.remove::<Transform>();
@@ -110,7 +109,6 @@ fn update_view(
     planned: &PlannedView,
     index: usize,
 ) {
-    copy_camera_components(world, camera, view);
     let main = world.entity(camera);
     let (Some(main_camera), Some(main_3d), Some(main_frustum)) = (
         main.get::<Camera>(),

@@ -22,54 +22,67 @@ use bevy::{
 ///
 /// Not copied is what works on the finished picture (bloom, depth of field, sharpening, ...):
 /// it sees the reflection as part of the camera's own picture.
-pub fn copy_camera_components(world: &mut World, camera: Entity, view: Entity) {
-    copy::<AmbientLight>(world, camera, view);
-    copy::<ClusterConfig>(world, camera, view);
-    copy::<ColorGrading>(world, camera, view);
-    copy::<CompositingSpace>(world, camera, view);
-    copy::<DebandDither>(world, camera, view);
-    copy::<DistanceFog>(world, camera, view);
-    copy::<EnvironmentMapLight>(world, camera, view);
-    copy::<Exposure>(world, camera, view);
-    copy::<Hdr>(world, camera, view);
-    // Not `Clone` in the engine.
-    copy_by(
-        world,
+///
+/// A `fresh` view has default components that nobody chose: everything is copied.
+pub fn copy_camera_components(world: &mut World, camera: Entity, view: Entity, fresh: bool) {
+    let pair = Pair {
         camera,
         view,
-        |resolution: &MainPassResolutionOverride| MainPassResolutionOverride(resolution.0),
-    );
-    copy::<MipBias>(world, camera, view);
-    copy::<Msaa>(world, camera, view);
-    copy::<Projection>(world, camera, view);
-    copy::<RenderLayers>(world, camera, view);
-    copy::<ScreenSpaceTransmission>(world, camera, view);
-    copy::<ShadowFilteringMethod>(world, camera, view);
-    copy::<Skybox>(world, camera, view);
-    copy::<TemporalJitter>(world, camera, view);
-    copy::<Tonemapping>(world, camera, view);
+        fresh,
+    };
+    pair.copy::<AmbientLight>(world);
+    pair.copy::<ClusterConfig>(world);
+    pair.copy::<ColorGrading>(world);
+    pair.copy::<CompositingSpace>(world);
+    pair.copy::<DebandDither>(world);
+    pair.copy::<DistanceFog>(world);
+    pair.copy::<EnvironmentMapLight>(world);
+    pair.copy::<Exposure>(world);
+    pair.copy::<Hdr>(world);
+    // Not `Clone` in the engine.
+    pair.copy_by(world, |resolution: &MainPassResolutionOverride| {
+        MainPassResolutionOverride(resolution.0)
+    });
+    pair.copy::<MipBias>(world);
+    pair.copy::<Msaa>(world);
+    pair.copy::<Projection>(world);
+    pair.copy::<RenderLayers>(world);
+    pair.copy::<ScreenSpaceTransmission>(world);
+    pair.copy::<ShadowFilteringMethod>(world);
+    pair.copy::<Skybox>(world);
+    pair.copy::<TemporalJitter>(world);
+    pair.copy::<Tonemapping>(world);
 }
 
-fn copy<T: Component + Clone>(world: &mut World, camera: Entity, view: Entity) {
-    copy_by(world, camera, view, T::clone);
+struct Pair {
+    camera: Entity,
+    view: Entity,
+    fresh: bool,
 }
 
-/// Copies `T` if it is newer on the camera, removes it if the camera has none.
-fn copy_by<T: Component>(world: &mut World, camera: Entity, view: Entity, clone: impl Fn(&T) -> T) {
-    let source = world.entity(camera).get_ref::<T>();
-    let copied = world.entity(view).get_ref::<T>();
-    match (source, copied) {
-        (Some(source), Some(copied))
-            if !source
-                .last_changed()
-                .is_newer_than(copied.last_changed(), world.read_change_tick()) => {}
-        (Some(source), _) => {
-            let value = clone(&source);
-            world.entity_mut(view).insert(value);
+impl Pair {
+    fn copy<T: Component + Clone>(&self, world: &mut World) {
+        self.copy_by(world, T::clone);
+    }
+
+    /// Copies `T` if it is newer on the camera, removes it if the camera has none.
+    fn copy_by<T: Component>(&self, world: &mut World, clone: impl Fn(&T) -> T) {
+        let source = world.entity(self.camera).get_ref::<T>();
+        let copied = world.entity(self.view).get_ref::<T>();
+        match (source, copied) {
+            (Some(source), Some(copied))
+                if !self.fresh
+                    && !source
+                        .last_changed()
+                        .is_newer_than(copied.last_changed(), world.read_change_tick()) => {}
+            (Some(source), _) => {
+                let value = clone(&source);
+                world.entity_mut(self.view).insert(value);
+            }
+            (None, Some(_)) => {
+                world.entity_mut(self.view).remove::<T>();
+            }
+            (None, None) => {}
         }
-        (None, Some(_)) => {
-            world.entity_mut(view).remove::<T>();
-        }
-        (None, None) => {}
     }
 }
