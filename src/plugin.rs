@@ -3,7 +3,10 @@
 use bevy::{
     app::prelude::*,
     asset::Assets,
-    camera::{CameraUpdateSystems, visibility::VisibilitySystems},
+    camera::{
+        CameraUpdateSystems,
+        visibility::{VisibilitySystems, check_visibility_cpu_culling, check_visibility_ranges},
+    },
     ecs::prelude::*,
     light::SimulationLightSystems,
     mesh::Mesh,
@@ -17,8 +20,8 @@ use crate::{
     status::MirrorStatus,
     view::{
         MirrorPatches, ReflectedViews, any_reflected_views, apply_reflected_views,
-        clip_reflected_views, decide_reflected_views, disable_reflected_views, fit_mirror_planes,
-        narrow_cascades, report_status,
+        clip_reflected_views, decide_reflected_views, disable_reflected_views,
+        enable_reflected_views, fit_mirror_planes, narrow_cascades, report_status, some_views_wait,
     },
 };
 
@@ -96,15 +99,17 @@ impl Plugin for PlanarMirrorPlugin {
                     narrow_cascades
                         .run_if(any_reflected_views)
                         .in_set(MirrorSystems::NarrowShadows),
+                    enable_reflected_views
+                        .run_if(some_views_wait)
+                        .after(check_visibility_ranges)
+                        .after(MirrorSystems::UpdateViews)
+                        .before(check_visibility_cpu_culling)
+                        .before(SimulationLightSystems::UpdateDirectionalLightCascades),
                     disable_reflected_views
                         .run_if(any_reflected_views)
                         .in_set(MirrorSystems::HideViews),
                 ),
             );
-        if app.get_sub_app(RenderApp).is_some() || app.is_plugin_added::<bevy::asset::AssetPlugin>()
-        {
-            render::embed_shaders(app);
-        }
     }
 
     fn finish(&self, app: &mut App) {
@@ -112,6 +117,8 @@ impl Plugin for PlanarMirrorPlugin {
             return;
         };
         render::build_render_app(render_app);
+        // Not in `build`: the assets may come with a plugin that is added later.
+        render::embed_shaders(app);
         app.world_mut().resource_mut::<ReflectedViews>().can_draw = true;
     }
 }

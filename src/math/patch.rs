@@ -102,7 +102,11 @@ fn transform_normal(m: &DMat3, front: DVec3) -> Option<DVec3> {
     if !m.is_finite() {
         return None;
     }
-    let scales = columns.map(|column| column.abs().max_element());
+    // Lengths, taken so that no square of a component overflows or vanishes.
+    let scales = columns.map(|column| match column.abs().max_element() {
+        0.0 => 0.0,
+        largest => largest * (column / largest).length(),
+    });
     let axes = columns.map(|column| direction(column).unwrap_or(DVec3::ZERO));
     let crosses = [
         axes[1].cross(axes[2]),

@@ -7,7 +7,7 @@ use bevy::{
     mesh::{Mesh, Mesh3d},
     render::{
         Extract,
-        camera::{CameraMainPassTextureFormats, ExtractedCamera},
+        camera::{CameraMainPassTextureFormats, ExtractedCamera, TemporalJitter},
         render_resource::TextureUsages,
         sync_world::RenderEntity,
         view::ExtractedView,
@@ -87,5 +87,15 @@ pub fn configure_mirror_views(
         camera.physical_target_size = None;
         let usages = TextureUsages::from(main_camera.depth_texture_usages);
         main_camera.depth_texture_usages = (usages | TextureUsages::TEXTURE_BINDING).into();
+    }
+}
+
+/// Temporal anti-aliasing moves the camera's picture by parts of a pixel, and with it what shows
+/// in its mirrors.
+pub fn share_jitter(mirrors: Res<ExtractedMirrors>, mut jitters: Query<&mut TemporalJitter>) {
+    for mirror in &mirrors.0 {
+        if let Ok([camera, mut view]) = jitters.get_many_mut([mirror.camera, mirror.view]) {
+            view.offset = camera.offset;
+        }
     }
 }

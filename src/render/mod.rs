@@ -22,7 +22,7 @@ mod variant;
 
 use bevy::{
     app::{App, SubApp},
-    asset::embedded_asset,
+    asset::{embedded_asset, io::embedded::EmbeddedAssetRegistry},
     core_pipeline::{
         core_3d::{main_opaque_pass_3d, main_transparent_pass_3d},
         schedule::{Core3d, Core3dSystems},
@@ -35,8 +35,11 @@ use bevy::{
 use self::{extract::ExtractedMirrors, variant::StencilVariants};
 use crate::view::{disable_reflected_views, enable_reflected_views};
 
-/// Embeds the shaders. Needs the app's assets.
+/// Embeds the shaders, if the app has assets.
 pub fn embed_shaders(app: &mut App) {
+    if !app.world().contains_resource::<EmbeddedAssetRegistry>() {
+        return;
+    }
     embedded_asset!(app, "mask.wgsl");
     embedded_asset!(app, "shadow_copy.wgsl");
 }
@@ -60,6 +63,9 @@ pub fn build_render_app(render_app: &mut SubApp) {
                     .after(RenderSystems::ExtractCommands)
                     .before(RenderSystems::PrepareMeshes)
                     .before(RenderSystems::PrepareAssets),
+                extract::share_jitter
+                    .after(RenderSystems::PrepareViews)
+                    .before(RenderSystems::PrepareResources),
                 variant::vary_material_pipelines
                     .after(RenderSystems::Specialize)
                     .before(RenderSystems::Queue),

@@ -2,7 +2,7 @@
 
 use bevy::{
     camera::{Camera, Camera3d, RenderTarget, primitives::Frustum},
-    ecs::{entity_disabling::Disabled, name::Name, prelude::*},
+    ecs::{component::Mutable, entity_disabling::Disabled, name::Name, prelude::*},
     math::{
         Affine3A,
         primitives::{HalfSpace, ViewFrustum},
@@ -18,6 +18,9 @@ use super::{
 };
 use crate::math::{Plane, narrowed_sides, reflect_vector};
 
+/// So many views Bevy tells what is in its `VisibilityRange`, and it does not ask us which.
+const RANGED_VIEWS: usize = 32;
+
 /// Spawns, updates and despawns reflected views, and lets Bevy see them until
 /// [`disable_reflected_views`].
 ///
@@ -28,8 +31,11 @@ pub fn apply_reflected_views(world: &mut World) {
         let ReflectedViews {
             decisions,
             entities,
+            users_views,
+            some_wait,
             ..
         } = &mut *views;
+        let mut ranged = *users_views;
         for view in entities.values_mut() {
             view.wanted = false;
         }
@@ -43,20 +49,27 @@ pub fn apply_reflected_views(world: &mut World) {
                 // Somebody may have cleared the world.
                 .filter(|view| world.get_entity(*view).is_ok());
             let entity = known.unwrap_or_else(|| spawn_view(world, camera, mirror));
-            entities.insert(
-                (camera, mirror),
-                ViewEntity {
-                    entity,
-                    wanted: true,
-                },
-            );
-            copy_camera_components(world, camera, entity, known.is_none());
-            update_view(world, camera, entity, planned, index);
-            world.entity_mut(entity).remove::<Disabled>();
+            // Observers of new cameras have run by now, and may have despawned either.
+            let alive = |entity| world.get_entity(entity).is_ok();
+            let wanted = alive(camera) && alive(entity);
+            entities.insert((camera, mirror), ViewEntity { entity, wanted });
+            if wanted {
+                copy_camera_components(world, camera, entity, known.is_none());
+                update_view(world, camera, entity, planned, index);
+                ranged += 1;
+                if ranged <= RANGED_VIEWS {
+                    world.entity_mut(entity).remove::<Disabled>();
+                }
+            }
         }
+        *some_wait = ranged > RANGED_VIEWS;
         entities.retain(|_, view| {
-            if !view.wanted {
-                world.try_despawn(view.entity).ok();
+            if !view.wanted
+                && let Ok(mut view) = world.get_entity_mut(view.entity)
+            {
+                // What is disabled when it goes is not missed by the render world.
+                view.remove::<Disabled>();
+                view.despawn();
             }
             view.wanted
         });
@@ -66,14 +79,20 @@ pub fn apply_reflected_views(world: &mut World) {
 /// Takes the reflected views out of every query again.
 pub fn disable_reflected_views(world: &mut World) {
     for view in all(world) {
-        world.entity_mut(view).insert(Disabled);
+        // Somebody may have cleared the world.
+        if let Ok(mut view) = world.get_entity_mut(view) {
+            view.insert(Disabled);
+        }
     }
 }
 
-/// Lets extraction see the reflected views; [`disable_reflected_views`] ends that.
+/// Lets extraction see the reflected views; [`disable_reflected_views`] ends that. And lets Bevy
+/// see those that had to wait for the views of the user's.
 pub fn enable_reflected_views(world: &mut World) {
     for view in all(world) {
-        world.entity_mut(view).remove::<Disabled>();
+        if let Ok(mut view) = world.get_entity_mut(view) {
+            view.remove::<Disabled>();
+        }
     }
 }
 
@@ -83,7 +102,9 @@ fn all(world: &World) -> Vec<Entity> {
 }
 
 fn spawn_view(world: &mut World, camera: Entity, mirror: Entity) -> Entity {
-    let mut view = world.spawn((
+    let view = world.spawn((
+        // From the start, so that an observer that looks up what was added by a query finds nothing.
+        Disabled,
         Name::new(format!("reflected view of {camera} in {mirror}")),
         ReflectedView {
             camera,
@@ -97,9 +118,12 @@ fn spawn_view(world: &mut World, camera: Entity, mirror: Entity) -> Entity {
         // were prepared for another view are gone.
         NoIndirectDrawing,
     ));
-    // Its place is computed, not propagated.
-    view.remove::<Transform>();
-    view.id()
+    let view = view.id();
+    if let Ok(mut view) = world.get_entity_mut(view) {
+        // Its place is computed, not propagated.
+        view.remove::<Transform>();
+    }
+    view
 }
 
 fn update_view(
@@ -127,13 +151,22 @@ fn update_view(
         ..main_camera
     };
     let world_from_view = planned.plan.world_from_view;
-    world.entity_mut(view).insert((
-        camera,
-        main_3d,
-        RenderTarget::None { size },
-        GlobalTransform::from(single(&world_from_view)),
-        frustum,
-    ));
+    let mut view = world.entity_mut(view);
+    set(&mut view, camera);
+    set(&mut view, main_3d);
+    set(&mut view, RenderTarget::None { size });
+    set(&mut view, GlobalTransform::from(single(&world_from_view)));
+    set(&mut view, frustum);
+}
+
+/// Writes a component in place: an insertion would wake observers in every frame, and bring back
+/// required components that the view is not to have.
+pub fn set<T: Component<Mutability = Mutable>>(view: &mut EntityWorldMut, value: T) {
+    if let Some(mut component) = view.get_mut::<T>() {
+        *component = value;
+    } else {
+        view.insert(value);
+    }
 }
 
 /// Rounds once to the precision of the renderer.

@@ -9,7 +9,7 @@ use bevy::{
         Skybox,
         tonemapping::{DebandDither, Tonemapping},
     },
-    ecs::prelude::*,
+    ecs::{component::Mutable, prelude::*},
     light::{AmbientLight, EnvironmentMapLight, ShadowFilteringMethod, cluster::ClusterConfig},
     pbr::{DistanceFog, ScreenSpaceTransmission},
     render::{
@@ -17,6 +17,8 @@ use bevy::{
         view::{ColorGrading, Msaa},
     },
 };
+
+use super::apply::set;
 
 /// Brings the view's components in line with the camera's, of those that matter to its picture.
 ///
@@ -61,12 +63,16 @@ struct Pair {
 }
 
 impl Pair {
-    fn copy<T: Component + Clone>(&self, world: &mut World) {
+    fn copy<T: Component<Mutability = Mutable> + Clone>(&self, world: &mut World) {
         self.copy_by(world, T::clone);
     }
 
     /// Copies `T` if it is newer on the camera, removes it if the camera has none.
-    fn copy_by<T: Component>(&self, world: &mut World, clone: impl Fn(&T) -> T) {
+    fn copy_by<T: Component<Mutability = Mutable>>(
+        &self,
+        world: &mut World,
+        clone: impl Fn(&T) -> T,
+    ) {
         let source = world.entity(self.camera).get_ref::<T>();
         let copied = world.entity(self.view).get_ref::<T>();
         match (source, copied) {
@@ -77,7 +83,7 @@ impl Pair {
                         .is_newer_than(copied.last_changed(), world.read_change_tick()) => {}
             (Some(source), _) => {
                 let value = clone(&source);
-                world.entity_mut(self.view).insert(value);
+                set(&mut world.entity_mut(self.view), value);
             }
             (None, Some(_)) => {
                 world.entity_mut(self.view).remove::<T>();

@@ -1,14 +1,15 @@
 //! Which camera sees which mirror, and otherwise why not.
 
 use bevy::{
+    asset::Assets,
     camera::{
-        Camera, Camera3d,
+        Camera, Camera3d, ShadowLodOrigin,
         primitives::Aabb,
         visibility::{InheritedVisibility, RenderLayers},
     },
     core_pipeline::prepass::DeferredPrepass,
     ecs::prelude::*,
-    mesh::Mesh3d,
+    mesh::{Mesh, Mesh3d},
     render::camera::TemporalJitter,
     transform::components::GlobalTransform,
 };
@@ -55,11 +56,14 @@ pub fn decide_reflected_views(
         Option<&RenderLayers>,
         Option<&Aabb>,
     )>,
+    ranged: Query<(), Or<(With<Camera>, With<ShadowLodOrigin>)>>,
+    meshes: Option<Res<Assets<Mesh>>>,
     patches: Res<MirrorPatches>,
     mut inputs: Local<Vec<CameraInput>>,
     mut views: ResMut<ReflectedViews>,
 ) {
     views.decisions.clear();
+    views.users_views = ranged.iter().count();
     inputs.clear();
     inputs.extend(
         cameras
@@ -75,8 +79,13 @@ pub fn decide_reflected_views(
             ),
     );
 
+    // The order of archetypes changes with unrelated components; a status must not.
+    inputs.sort_unstable_by_key(|camera| camera.entity);
+
     for (mirror, settings, transform, visible, mesh, layers, aabb) in &mirrors {
         let world_from_local = DAffine3::from(transform.affine().as_daffine3());
+        let is_loaded = |mesh: &Mesh3d| meshes.as_ref().is_some_and(|m| m.contains(mesh));
+        let mesh = mesh.filter(|mesh| is_loaded(mesh));
         let patch = mirror_patch(settings, mesh, aabb, &patches).and_then(|patch| {
             transform_patch(&patch, &world_from_local).ok_or(NotDrawn::DegenerateTransform)
         });

@@ -48,6 +48,10 @@ use crate::{
 pub struct ReflectedViews {
     /// Whether there is a renderer to draw them.
     pub can_draw: bool,
+    /// How many others Bevy tells what is in `VisibilityRange`.
+    pub users_views: usize,
+    /// Whether some of ours are not seen by Bevy before it has looked at `VisibilityRange`.
+    pub some_wait: bool,
     /// Grouped by mirror.
     pub decisions: Vec<Decision>,
     /// (camera, mirror) -> its reflected view.
@@ -123,6 +127,11 @@ pub struct ReflectedView {
     pub ndc_bounds: (Vec2, Vec2),
     /// Of everything that is visible in it.
     pub depths: DepthRange,
+}
+
+/// Whether there are more views than Bevy tells what is in range.
+pub fn some_views_wait(views: Res<ReflectedViews>) -> bool {
+    views.some_wait
 }
 
 /// Whether there is anything to do, or to undo: a scene without mirrors runs none of the rest.

@@ -1,6 +1,10 @@
 //! Writes [`MirrorStatus`], and one line in the log for each thing that only the user can mend.
 
-use bevy::{ecs::prelude::*, log::warn, platform::collections::HashSet};
+use bevy::{
+    ecs::{entity::EntityHashSet, prelude::*},
+    log::warn,
+    platform::collections::HashSet,
+};
 
 use super::{Decision, ReflectedViews};
 use crate::status::{CameraStatus, MirrorState, MirrorStatus, NotDrawn};
@@ -9,12 +13,21 @@ use crate::status::{CameraStatus, MirrorState, MirrorStatus, NotDrawn};
 /// real changes.
 pub fn report_status(
     views: Res<ReflectedViews>,
-    mut statuses: Query<&mut MirrorStatus>,
+    mut statuses: Query<(Entity, &mut MirrorStatus)>,
+    mut decided: Local<EntityHashSet>,
     mut warned: Local<HashSet<(Option<Entity>, NotDrawn)>>,
 ) {
+    decided.clear();
+    decided.extend(views.decisions.iter().map(|decision| decision.mirror));
+    for (entity, mut status) in &mut statuses {
+        // No camera is concerned any more, or it is no mirror any more.
+        if !status.cameras.is_empty() && !decided.contains(&entity) {
+            status.cameras.clear();
+        }
+    }
     for mirror in views.decisions.chunk_by(|a, b| a.mirror == b.mirror) {
         let entity = mirror[0].mirror;
-        let Ok(mut status) = statuses.get_mut(entity) else {
+        let Ok((_, mut status)) = statuses.get_mut(entity) else {
             continue;
         };
         if status
@@ -27,12 +40,19 @@ pub fn report_status(
         }
         status.cameras.clear();
         status.cameras.extend(mirror.iter().map(status_of));
-        for CameraStatus { state, .. } in &status.cameras {
+        for CameraStatus { camera, state } in &status.cameras {
             if let MirrorState::NotDrawn(reason) = *state
                 && let Some(remedy) = remedy(reason)
-                && warned.insert((concerns_one(reason).then_some(entity), reason))
             {
-                warn!("mirror {entity} is not drawn: {reason}. {remedy}");
+                let (what, whom) = match concerns(reason) {
+                    Concerns::Mirror => ("mirror is not drawn", Some(entity)),
+                    Concerns::Camera => ("camera shows no mirrors", Some(*camera)),
+                    Concerns::All => ("mirrors are not drawn", None),
+                };
+                if warned.insert((whom, reason)) {
+                    let whom = whom.map(|entity| format!("{entity}: ")).unwrap_or_default();
+                    warn!("{whom}{what}: {reason}. {remedy}");
+                }
             }
         }
     }
@@ -48,9 +68,19 @@ fn status_of(decision: &Decision) -> CameraStatus {
     }
 }
 
-/// Whether the reason lies with one mirror; otherwise one line serves for all.
-fn concerns_one(reason: NotDrawn) -> bool {
-    !matches!(reason, NotDrawn::NoRenderer | NotDrawn::TooManyMirrors)
+/// Where a reason lies, and so what is named by its one line in the log.
+enum Concerns {
+    Mirror,
+    Camera,
+    All,
+}
+
+fn concerns(reason: NotDrawn) -> Concerns {
+    match reason {
+        NotDrawn::NoRenderer | NotDrawn::TooManyMirrors => Concerns::All,
+        NotDrawn::DegenerateCamera | NotDrawn::DeferredCamera => Concerns::Camera,
+        _ => Concerns::Mirror,
+    }
 }
 
 /// What a user can do about it, where it is not simply where the camera stands.
