@@ -5,7 +5,26 @@
 mod support;
 
 mod pictures {
+    mod cameras;
+    mod changes;
+    mod company;
+    mod contents;
+    mod cutting;
+    mod effects;
+    mod extremes;
+    mod foreign;
     mod harness;
+    mod leftovers;
     mod lighting;
+    mod looks;
+    mod materials;
+    mod objects;
+    mod projections;
     mod random_scenes;
+    mod several;
+    mod shapes;
+    mod surfaces;
+    mod targets;
+    mod transmission;
+    mod views;
 }

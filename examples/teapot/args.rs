@@ -39,7 +39,7 @@ pub struct Args {
     #[argh(option, from_str_fn(fps))]
     fps: Option<f32>,
 
-    /// how much of the table's own colour covers its reflection, 0 to 1 (0.5)
+    /// how much of the table's own color covers its reflection, 0 to 1 (0.5)
     #[argh(option, default = "0.5", from_str_fn(alpha))]
     alpha: f32,
 
@@ -48,8 +48,8 @@ pub struct Args {
     tessellation: u32,
 
     /// samples for each pixel: 1, 2, 4 or 8, as far as the device has them (4)
-    #[argh(option, default = "4", from_str_fn(msaa))]
-    msaa: u32,
+    #[argh(option, from_str_fn(msaa))]
+    pub msaa: Option<u32>,
 
     /// draw in low dynamic range, without bloom
     #[argh(switch)]
@@ -135,7 +135,7 @@ impl Args {
             alpha: self.alpha,
             tessellation: self.tessellation,
             soft_shadows: !self.hard_shadows,
-            samples: self.msaa,
+            samples: self.msaa.unwrap_or(4),
             hdr: !self.no_hdr,
         }
     }
@@ -207,4 +207,50 @@ fn msaa(text: &str) -> Result<u32, String> {
             .then_some(n)
             .ok_or("expected 1, 2, 4 or 8".into())
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(line: &str) -> Option<Args> {
+        let given: Vec<&str> = line.split_whitespace().collect();
+        let args = Args::from_args(&["teapot"], &given).ok()?;
+        args.contradiction().is_none().then_some(args)
+    }
+
+    #[test]
+    fn arguments_that_make_no_sense_are_refused() {
+        for line in [
+            "--time -1",
+            "--time NaN",
+            "--time soon",
+            "--size 0x540",
+            "--size 960",
+            "--size 960x9000",
+            "--frames 0",
+            "--frames 3 --fps 0",
+            "--fps 30",
+            "--frames 3 --out film.png",
+            "--out picture.jpg",
+            "--alpha 1.5",
+            "--tessellation 65",
+            "--msaa 3",
+            "--msaa 16",
+            "--unheard-of",
+            "teapot.png",
+        ] {
+            assert!(read(line).is_none(), "{line}");
+        }
+    }
+
+    #[test]
+    fn files_are_drawn_when_they_are_asked_for() {
+        let wants_pictures = |line: &str| read(line).map(|args| args.wants_pictures());
+        assert_eq!(wants_pictures(""), Some(false));
+        assert_eq!(wants_pictures("--time 2 --msaa 8"), Some(false));
+        for line in ["--headless", "--out a.PNG", "--frames 2 --fps 1 --out film"] {
+            assert_eq!(wants_pictures(line), Some(true), "{line}");
+        }
+    }
 }

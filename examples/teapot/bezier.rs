@@ -22,7 +22,10 @@ struct ControlData {
     patches: Vec<[usize; 16]>,
 }
 
-/// The patches, y up, standing on y = 0, 3.15 units high.
+/// From the bottom to the tip of the knob.
+pub const TEAPOT_HEIGHT: f32 = 3.15;
+
+/// The patches, y up, standing on y = 0, [`TEAPOT_HEIGHT`] units high.
 pub fn teapot_patches() -> Vec<Patch> {
     let json = include_str!("../../assets/teapot/utah_teapot_patches.json");
     let data: ControlData = serde_json::from_str(json).expect("the control data are well formed");

@@ -13,7 +13,7 @@ use bevy::{
     camera_controller::free_camera::{FreeCamera, FreeCameraPlugin, FreeCameraState},
     prelude::*,
     render::{
-        renderer::RenderAdapter,
+        renderer::{RenderAdapter, RenderAdapterInfo},
         view::screenshot::{Screenshot, ScreenshotCaptured},
     },
     window::WindowResolution,
@@ -28,41 +28,60 @@ pub struct Paused {
 
 pub fn run(args: &Args) -> ExitCode {
     let (width, height) = args.size;
-    let exit = App::new()
-        .add_plugins((
-            DefaultPlugins.set(WindowPlugin {
-                primary_window: Some(Window {
-                    title: "The teapot and the mirror".into(),
-                    resolution: WindowResolution::new(width, height),
-                    ..default()
-                }),
+    let mut app = App::new();
+    app.add_plugins((
+        DefaultPlugins.set(WindowPlugin {
+            primary_window: Some(Window {
+                title: "The teapot and the mirror".into(),
+                resolution: WindowResolution::new(width, height),
                 ..default()
             }),
-            FreeCameraPlugin,
-            overlay::plugin,
-            crate::common_plugin,
-        ))
-        .insert_resource(args.settings())
-        .insert_resource(SceneTime {
-            jump: args.time,
-            light: args.time,
-        })
-        .init_resource::<Paused>()
-        .add_systems(PostStartup, add_free_camera)
-        .add_systems(
-            Update,
-            (
-                run_clocks,
-                switch_settings,
-                switch_free_camera,
-                save_picture,
-            ),
-        )
-        .run();
-    match exit {
+            ..default()
+        }),
+        FreeCameraPlugin,
+        overlay::plugin,
+        crate::common_plugin,
+    ))
+    .insert_resource(args.settings())
+    .insert_resource(SceneTime {
+        jump: args.time,
+        light: args.time,
+    })
+    .init_resource::<Paused>()
+    .add_systems(PostStartup, add_free_camera)
+    .add_systems(
+        Update,
+        (
+            run_clocks,
+            switch_settings,
+            switch_free_camera,
+            save_picture,
+        ),
+    );
+    let wanted = args.msaa;
+    app.add_systems(
+        Startup,
+        move |adapter: Res<RenderAdapter>,
+              info: Res<RenderAdapterInfo>,
+              mut settings: ResMut<Settings>| {
+            settings.samples = choose_samples(wanted, &supported_samples(&adapter), &info);
+        },
+    );
+    match app.run() {
         AppExit::Success => ExitCode::SUCCESS,
         AppExit::Error(code) => ExitCode::from(code.get()),
     }
+}
+
+/// As many samples as are wanted, or the next fewer that the device has.
+///
+/// Where the processor draws, samples cost most of the time: it starts without.
+fn choose_samples(wanted: Option<u32>, offered: &[u32], info: &RenderAdapterInfo) -> u32 {
+    // The engine passes the value on, but not the type to compare it with.
+    let in_software = format!("{:?}", info.device_type) == "Cpu";
+    let wanted = wanted.unwrap_or(if in_software { 1 } else { 4 });
+    let chosen = offered.iter().copied().filter(|&samples| samples <= wanted);
+    chosen.max().unwrap_or(1)
 }
 
 fn run_clocks(time: Res<Time>, paused: Res<Paused>, mut scene: ResMut<SceneTime>) {
@@ -105,18 +124,15 @@ fn switch_settings(
 }
 
 fn add_free_camera(mut commands: Commands, camera: Single<Entity, With<Camera3d>>) {
-    commands.entity(*camera).insert((
-        FreeCamera {
-            keyboard_key_toggle_cursor_grab: KeyCode::KeyG,
-            walk_speed: 2.0,
-            run_speed: 6.0,
-            ..default()
-        },
-        FreeCameraState {
-            enabled: false,
-            ..default()
-        },
-    ));
+    let mut state = FreeCameraState::default();
+    state.enabled = false;
+    let controller = FreeCamera {
+        keyboard_key_toggle_cursor_grab: KeyCode::KeyG,
+        walk_speed: 2.0,
+        run_speed: 6.0,
+        ..default()
+    };
+    commands.entity(*camera).insert((controller, state));
 }
 
 fn switch_free_camera(
@@ -146,7 +162,7 @@ fn save_picture(mut commands: Commands, keys: Res<ButtonInput<KeyCode>>) {
         .spawn(Screenshot::primary_window())
         .observe(
             move |event: On<ScreenshotCaptured>| match picture::save(&event.image, &path) {
-                Ok(()) => println!("The picture is in {}", path.display()),
+                Ok(()) => println!("The picture is in {}", picture::absolute(&path)),
                 Err(line) => eprintln!("teapot: {line}"),
             },
         );

@@ -62,7 +62,7 @@ fn draw(args: &Args) -> Result<String, (String, u8)> {
     match args.pictures() {
         Pictures::One(path) => {
             studio.film(args.time, 1, 1.0, |_| path.clone(), |_| ())?;
-            Ok(format!("The picture is in {}", path.display()))
+            Ok(format!("The picture is in {}", picture::absolute(&path)))
         }
         Pictures::Film {
             frames,
@@ -80,7 +80,7 @@ fn draw(args: &Args) -> Result<String, (String, u8)> {
             bar.finish_and_clear();
             Ok(format!(
                 "{frames} pictures, {fps} a second, are in {}",
-                folder.join("frame-*.png").display()
+                picture::absolute(&folder.join("frame-*.png"))
             ))
         }
     }

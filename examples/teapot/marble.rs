@@ -1,4 +1,6 @@
-//! White marble with grey and golden veins, made on the CPU: the same at every run.
+//! Dark green marble with white and golden veins, made on the CPU: the same at every run.
+
+use std::{f32::consts::TAU, sync::LazyLock};
 
 use bevy::{
     asset::RenderAssetUsages,
@@ -14,7 +16,7 @@ const SIZE: u32 = 1024;
 /// A texture with all its mip levels.
 pub fn marble() -> Image {
     let mut level: Vec<Vec3> = rows_in_parallel(SIZE, |x, y| {
-        colour(vec2(x as f32 + 0.5, y as f32 + 0.5) / SIZE as f32)
+        color(vec2(x as f32 + 0.5, y as f32 + 0.5) / SIZE as f32)
     });
     let (mut size, mut data, mut levels) = (SIZE, Vec::new(), 0);
     loop {
@@ -57,12 +59,12 @@ pub fn marble() -> Image {
     image
 }
 
-/// Linear colour at `uv` in 0..1.
-fn colour(uv: Vec2) -> Vec3 {
-    const STONE: Vec3 = vec3(0.86, 0.85, 0.83);
-    const CLOUD: Vec3 = vec3(0.58, 0.60, 0.64);
-    const VEIN: Vec3 = vec3(0.10, 0.11, 0.13);
-    const GOLD: Vec3 = vec3(0.62, 0.42, 0.20);
+/// Linear color at `uv` in 0..1.
+fn color(uv: Vec2) -> Vec3 {
+    const STONE: Vec3 = vec3(0.075, 0.125, 0.110);
+    const CLOUD: Vec3 = vec3(0.022, 0.040, 0.036);
+    const VEIN: Vec3 = vec3(0.75, 0.78, 0.74);
+    const GOLD: Vec3 = vec3(0.62, 0.42, 0.18);
     let p = uv * 4.0;
     let bent = p + 1.1 * vec2(turbulence(p, 11), turbulence(p + vec2(5.2, 1.3), 12));
     let clouds = 0.5 + 0.5 * turbulence(bent * 0.8, 13);
@@ -74,10 +76,10 @@ fn colour(uv: Vec2) -> Vec3 {
         (vec2(0.30, 0.75), 23, 0.022, 0.70, GOLD),
         (vec2(1.7, -1.1), 24, 0.050, 0.35, VEIN),
     ] {
-        let wave = ops::sin(2.2 * bent.dot(direction) + 2.6 * turbulence(bent * 0.6, seed));
+        let wave = ops::sin(1.5 * bent.dot(direction) + 2.6 * turbulence(bent * 0.6, seed));
         let presence = (0.55 + 0.9 * turbulence(p * 0.9, seed + 10)).clamp(0.0, 1.0);
         let core = ops::exp(-wave.abs() / (width * (0.4 + presence)));
-        let halo = 0.35 * ops::exp(-wave.abs() / (width * 5.0));
+        let halo = 0.22 * ops::exp(-wave.abs() / (width * 5.0));
         stone = stone.lerp(tint, strength * presence * (core + halo).min(1.0));
     }
     stone * (1.0 + 0.05 * turbulence(p * 12.0, 31))
@@ -97,20 +99,27 @@ fn turbulence(p: Vec2, seed: u32) -> f32 {
 
 /// Gradient noise, about -0.7..0.7, doubled.
 fn noise(p: Vec2, seed: u32) -> f32 {
+    static GRADIENTS: LazyLock<[Vec2; 64]> = LazyLock::new(|| {
+        std::array::from_fn(|direction| {
+            let angle = TAU * direction as f32 / 64.0;
+            vec2(ops::cos(angle), ops::sin(angle))
+        })
+    });
+    let gradients = &*GRADIENTS;
     let cell = p.floor();
     let f = p - cell;
     let fade = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
     let corner = |x: f32, y: f32| {
         let at = cell + vec2(x, y);
-        let angle = hash(at.x as i32 as u32, at.y as i32 as u32, seed) as f32 * 1.462_918e-9;
-        vec2(ops::cos(angle), ops::sin(angle)).dot(f - vec2(x, y))
+        let direction = hash(at.x as i32 as u32, at.y as i32 as u32, seed) % 64;
+        gradients[direction as usize].dot(f - vec2(x, y))
     };
     let near = corner(0.0, 0.0).lerp(corner(1.0, 0.0), fade.x);
     let far = corner(0.0, 1.0).lerp(corner(1.0, 1.0), fade.x);
     2.0 * near.lerp(far, fade.y)
 }
 
-/// Well mixed bits of three numbers (the finaliser of MurmurHash3).
+/// Well mixed bits of three numbers (the finalizer of MurmurHash3).
 fn hash(x: u32, y: u32, seed: u32) -> u32 {
     let mut h =
         x.wrapping_mul(0x9e37_79b1) ^ y.wrapping_mul(0x85eb_ca77) ^ seed.wrapping_mul(0xc2b2_ae3d);

@@ -36,7 +36,7 @@ fn add_text(mut commands: Commands) {
         Text::default(),
         TextFont::from_font_size(13.0),
         TextColor(Color::srgb(0.93, 0.93, 0.90)),
-        BackgroundColor(Color::srgba(0.02, 0.03, 0.05, 0.6)),
+        BackgroundColor(Color::srgba(0.02, 0.03, 0.05, 0.75)),
     );
     let (top, bottom) = (px(10), px(10));
     commands.spawn((
@@ -53,7 +53,7 @@ fn add_text(mut commands: Commands) {
 fn hide_text(keys: Res<ButtonInput<KeyCode>>, mut panels: Query<&mut Visibility, With<Panel>>) {
     if keys.just_pressed(KeyCode::Tab) {
         for mut visibility in &mut panels {
-            visibility.toggle_visible_hidden();
+            visibility.toggle_inherited_hidden();
         }
     }
 }
@@ -119,6 +119,6 @@ fn show_status(
         .and_then(|fps| fps.smoothed())
         .unwrap_or_default();
     line.set_if_neq(Text::new(format!(
-        "mirror {mirror}    {fps:.0} pictures a second"
+        "mirror {mirror}    {fps:.0} frames a second"
     )));
 }

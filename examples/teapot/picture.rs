@@ -1,6 +1,9 @@
 //! From an image of Bevy's to a PNG file.
 
-use std::{fs, path::Path};
+use std::{
+    fs,
+    path::{self, Path},
+};
 
 use bevy::prelude::*;
 use image::ImageFormat;
@@ -19,4 +22,10 @@ pub fn save(image: &Image, path: &Path) -> Result<(), String> {
         .to_rgb8()
         .save_with_format(path, ImageFormat::Png)
         .map_err(|error| failed(error.to_string()))
+}
+
+/// The path in full, for a line that says where a file is.
+pub fn absolute(path: &Path) -> String {
+    let full = path::absolute(path);
+    full.as_deref().unwrap_or(path).display().to_string()
 }

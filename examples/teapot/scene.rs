@@ -3,12 +3,18 @@
 use std::f32::consts::{FRAC_PI_2, TAU};
 
 use bevy::{
+    camera::ShadowLodOrigin,
     light::{DirectionalLightShadowMap, NotShadowCaster},
-    math::{ops, vec3},
+    math::{Affine2, ops, vec2, vec3},
     prelude::*,
 };
 
-use crate::{bezier, marble::marble, settings::Settings, sky::sky};
+use crate::{
+    bezier::{self, TEAPOT_HEIGHT},
+    marble::marble,
+    settings::Settings,
+    sky::sky,
+};
 
 /// The seconds that the jump and the light have run; each can be paused by itself.
 #[derive(Resource, Clone, Copy, Default)]
@@ -28,15 +34,16 @@ pub struct Teapot;
 #[derive(Component)]
 pub struct Lamp;
 
-const TABLE_CENTRE: Vec3 = vec3(0.0, -1.0, -3.0);
+const TABLE_CENTER: Vec3 = vec3(0.0, -1.0, -3.0);
 const TABLE_SIZE: f32 = 4.0;
-const TABLE_THICKNESS: f32 = 0.07;
+const TABLE_THICKNESS: f32 = 0.2;
 
-/// At this scale the teapot is 0.79 high: at its lowest it is just wholly below the table.
-const TEAPOT_SCALE: f32 = 0.25;
-const TEAPOT_Z: f32 = -3.3;
+const TEAPOT_SCALE: f32 = 0.32;
+const TEAPOT_Z: f32 = -3.5;
+/// The lowest and highest height of the teapot's middle. It is 1.008 high, so it is wholly below the
+/// table for a tenth of the time, and at its highest the table still shows the lid upside down.
 const LOWEST: f32 = -1.8;
-const HIGHEST: f32 = -0.72;
+const HIGHEST: f32 = -0.26;
 
 /// Everything repeats after 12 seconds.
 const JUMP_SECONDS: f32 = 2.4;
@@ -44,7 +51,7 @@ const LIGHT_SECONDS: f32 = 12.0;
 
 /// Where the camera stands, and returns to.
 pub fn camera_pose() -> Transform {
-    Transform::from_xyz(0.0, 0.0, 1.0).looking_at(TABLE_CENTRE.with_y(0.0), Vec3::Y)
+    Transform::from_xyz(0.0, 0.0, 1.0).looking_at(TABLE_CENTER.with_y(0.0), Vec3::Y)
 }
 
 /// A jump as gravity would have it; the turn at the lowest point is out of sight below the table.
@@ -53,7 +60,9 @@ fn teapot_pose(seconds: f32) -> Transform {
     let phase = 2.0 * (seconds / JUMP_SECONDS + 0.5).rem_euclid(1.0) - 1.0;
     let height = HIGHEST - (HIGHEST - LOWEST) * phase * phase;
     let turn = -0.45 + 0.5 * ops::sin(TAU * seconds / LIGHT_SECONDS);
-    Transform::from_xyz(0.0, height, TEAPOT_Z)
+    // The mesh stands on its origin.
+    let foot = height - 0.5 * TEAPOT_HEIGHT * TEAPOT_SCALE;
+    Transform::from_xyz(0.0, foot, TEAPOT_Z)
         .with_rotation(Quat::from_rotation_y(turn))
         .with_scale(Vec3::splat(TEAPOT_SCALE))
 }
@@ -61,7 +70,7 @@ fn teapot_pose(seconds: f32) -> Transform {
 fn lamp_pose(seconds: f32) -> Transform {
     let angle = TAU * seconds / LIGHT_SECONDS - 0.75;
     let around = vec3(3.2 * ops::sin(angle), 3.4, 3.2 * ops::cos(angle));
-    Transform::from_translation(TABLE_CENTRE + around)
+    Transform::from_translation(TABLE_CENTER + around)
         .looking_at(vec3(0.0, -0.9, TEAPOT_Z), Vec3::Y)
 }
 
@@ -69,7 +78,7 @@ pub fn plugin(app: &mut App) {
     app.init_resource::<SceneTime>()
         .insert_resource(GlobalAmbientLight::NONE) // the sky lights the scene
         // Coarse enough that one sees what the filter does.
-        .insert_resource(DirectionalLightShadowMap { size: 1024 })
+        .insert_resource(DirectionalLightShadowMap { size: 256 })
         .add_systems(Startup, setup)
         .add_systems(Update, move_along);
 }
@@ -89,6 +98,7 @@ fn setup(
             ..default()
         }),
         sky(&mut images),
+        ShadowLodOrigin,
     ));
 
     let stone = StandardMaterial {
@@ -104,16 +114,20 @@ fn setup(
         MeshMaterial3d(materials.add(StandardMaterial {
             base_color: Color::WHITE.with_alpha(settings.alpha),
             alpha_mode: AlphaMode::Blend,
-            ..stone
+            ..stone.clone()
         })),
-        Transform::from_translation(TABLE_CENTRE),
+        Transform::from_translation(TABLE_CENTER),
     ));
     // The edge of the slab, four upright strips; it lies below the mirror and is no part of it.
     let strip = meshes.add(Rectangle::new(TABLE_SIZE, TABLE_THICKNESS));
     let edge = materials.add(StandardMaterial {
-        base_color: Color::srgb(0.72, 0.72, 0.74),
-        perceptual_roughness: 0.35,
-        ..default()
+        // The nearest strip goes on with the veins at the top's front.
+        uv_transform: Affine2::from_scale_angle_translation(
+            vec2(1.0, -TABLE_THICKNESS / TABLE_SIZE),
+            0.0,
+            vec2(0.0, 1.0),
+        ),
+        ..stone
     });
     for side in 0..4 {
         let turn = Quat::from_rotation_y(FRAC_PI_2 * side as f32);
@@ -121,7 +135,7 @@ fn setup(
         commands.spawn((
             Mesh3d(strip.clone()),
             MeshMaterial3d(edge.clone()),
-            Transform::from_translation(TABLE_CENTRE + turn * outwards).with_rotation(turn),
+            Transform::from_translation(TABLE_CENTER + turn * outwards).with_rotation(turn),
         ));
     }
 
@@ -132,7 +146,7 @@ fn setup(
             settings.tessellation,
         ))),
         MeshMaterial3d(materials.add(StandardMaterial {
-            base_color: Color::srgb(0.72, 0.16, 0.07),
+            base_color: Color::srgb(0.52, 0.06, 0.03),
             perceptual_roughness: 0.35,
             clearcoat: 1.0,
             clearcoat_perceptual_roughness: 0.06,
@@ -148,7 +162,7 @@ fn setup(
         Lamp,
         SpotLight {
             color: Color::srgb(1.0, 0.90, 0.76),
-            intensity: 900_000.0, // lumens
+            intensity: 2_600_000.0, // lumens
             range: 12.0,
             inner_angle: 0.22,
             outer_angle: 0.46,
@@ -156,13 +170,16 @@ fn setup(
             ..default()
         },
         lamp_pose(0.0),
-        Mesh3d(meshes.add(Sphere::new(0.06))),
-        MeshMaterial3d(materials.add(StandardMaterial {
-            base_color: Color::BLACK,
-            emissive: LinearRgba::rgb(30.0, 24.0, 16.0),
-            ..default()
-        })),
-        NotShadowCaster, // the light is inside it
+        // An entity of its own: a light with a mesh would go out where the mesh leaves the view.
+        children![(
+            Mesh3d(meshes.add(Sphere::new(0.06))),
+            MeshMaterial3d(materials.add(StandardMaterial {
+                base_color: Color::BLACK,
+                emissive: LinearRgba::rgb(30.0, 24.0, 16.0),
+                ..default()
+            })),
+            NotShadowCaster, // the light is inside it
+        )],
     ));
 }
 
@@ -173,4 +190,50 @@ fn move_along(
 ) {
     **teapot = teapot_pose(time.jump);
     **lamp = lamp_pose(time.light);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TABLE_TOP: f32 = TABLE_CENTER.y;
+    const LOWEST_AT: f32 = JUMP_SECONDS / 2.0;
+
+    #[test]
+    fn the_teapot_jumps_from_below_the_table_to_above_it() {
+        let height = TEAPOT_HEIGHT * TEAPOT_SCALE;
+        let foot = teapot_pose(LOWEST_AT).translation.y;
+        assert!((foot + height / 2.0 - LOWEST).abs() < 1e-5);
+        assert!(foot + height < TABLE_TOP);
+        assert!(teapot_pose(0.0).translation.y > TABLE_TOP);
+    }
+
+    #[test]
+    fn the_slab_hides_the_teapot_at_its_lowest() {
+        let eye = camera_pose().translation;
+        let pose = teapot_pose(LOWEST_AT);
+        let front = TABLE_CENTER.z + TABLE_SIZE / 2.0;
+        let mesh = bezier::tessellate(&bezier::teapot_patches(), 8);
+        let points = mesh
+            .attribute(Mesh::ATTRIBUTE_POSITION)
+            .and_then(|values| values.as_float3())
+            .expect("positions");
+        for &point in points {
+            let way = pose.transform_point(point.into()) - eye;
+            let at_front = eye + way * ((front - eye.z) / way.z);
+            assert!(at_front.y > TABLE_TOP - TABLE_THICKNESS, "{at_front}");
+            assert!(at_front.x.abs() < TABLE_SIZE / 2.0, "{at_front}");
+        }
+    }
+
+    #[test]
+    fn everything_repeats_after_twelve_seconds() {
+        for seconds in [0.0, 0.7, 3.1, 11.9] {
+            for pose in [teapot_pose, lamp_pose] {
+                let (now, then) = (pose(seconds), pose(seconds + 12.0));
+                assert!(now.translation.abs_diff_eq(then.translation, 1e-3));
+                assert!(now.rotation.abs_diff_eq(then.rotation, 1e-3));
+            }
+        }
+    }
 }

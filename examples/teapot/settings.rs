@@ -19,7 +19,7 @@ pub struct Settings {
     pub mirror: bool,
     /// Whether the reflection is cut at the table; off shows what the oblique near plane is for.
     pub clip: bool,
-    /// How much of the table's own colour shows over its reflection.
+    /// How much of the table's own color shows over its reflection.
     pub alpha: f32,
     /// Quads along the side of each of the teapot's patches.
     pub tessellation: u32,

@@ -46,34 +46,33 @@ pub fn sky(images: &mut Assets<Image>) -> (Skybox, EnvironmentMapLight) {
 
 /// Linear radiance from a direction (unit length).
 fn radiance(direction: Vec3) -> Vec3 {
-    const ZENITH: Vec3 = vec3(0.035, 0.075, 0.17);
-    const MIDDLE: Vec3 = vec3(0.16, 0.25, 0.40);
-    const HORIZON: Vec3 = vec3(0.95, 0.62, 0.40);
-    const GROUND: Vec3 = vec3(0.050, 0.052, 0.065);
+    const ZENITH: Vec3 = vec3(0.004, 0.010, 0.024);
+    const DUSK: Vec3 = vec3(0.020, 0.052, 0.090);
+    const GLOW: Vec3 = vec3(0.520, 0.200, 0.060);
+    const GROUND: Vec3 = vec3(0.006, 0.007, 0.009);
     let height = direction.y;
-    let above = if height < 0.35 {
-        HORIZON.lerp(MIDDLE, smoothstep(-0.05, 0.35, height))
-    } else {
-        MIDDLE.lerp(ZENITH, smoothstep(0.35, 0.9, height))
-    };
-    let below = HORIZON.lerp(GROUND, smoothstep(0.0, 0.30, -height));
-    let sky = if height > 0.0 { above } else { below };
-    // Soft boxes, centre and half width: they give the glaze its highlights.
+    let sky = DUSK.lerp(ZENITH, smoothstep(-0.1, 0.75, height));
+    // The last light of the day, low behind the table.
+    let level = vec3(direction.x, 0.0, direction.z).normalize_or_zero();
+    let sideways = smoothstep(0.35, 1.0, -level.z);
+    let glow = GLOW * sideways * ops::exp(-height.max(0.0) / 0.11);
+    let sky = (sky + glow).lerp(GROUND, smoothstep(0.0, 0.16, -height));
+    // Soft boxes, center and half width: they give the glaze its highlights.
     let boxes = [
         (vec3(-0.75, 0.62, 0.45), 0.26, vec3(3.6, 3.3, 3.0)),
         (vec3(0.85, 0.45, 0.35), 0.18, vec3(1.5, 1.8, 2.3)),
         (vec3(0.1, 0.95, 0.1), 0.22, vec3(1.6, 1.6, 1.6)),
     ];
-    boxes.iter().fold(sky, |sum, &(centre, width, colour)| {
-        let centre = centre.normalize();
-        let (right, up) = centre.any_orthonormal_pair();
-        let ahead = direction.dot(centre);
+    boxes.iter().fold(sky, |sum, &(center, width, color)| {
+        let center = center.normalize();
+        let (right, up) = center.any_orthonormal_pair();
+        let ahead = direction.dot(center);
         if ahead <= 0.0 {
             return sum;
         }
         let (x, y) = (direction.dot(right) / ahead, direction.dot(up) / ahead);
         let edge = |t: f32| 1.0 - smoothstep(width * 0.8, width, t.abs());
-        sum + colour * edge(x) * edge(y)
+        sum + color * edge(x) * edge(y)
     })
 }
 
@@ -113,7 +112,7 @@ fn diffuse(normal: Vec3) -> Vec3 {
     sum / SAMPLES as f32
 }
 
-const SAMPLES: u32 = 128;
+const SAMPLES: u32 = 64;
 
 /// Hammersley points: evenly spread, and the same at every run.
 fn samples() -> impl Iterator<Item = (f32, f32)> {
@@ -132,11 +131,11 @@ fn smoothstep(from: f32, to: f32, x: f32) -> f32 {
 fn cube_map<F: Fn(Vec3) -> Vec3>(levels: Vec<(u32, F)>) -> Image {
     let mut data = Vec::new();
     for face in 0..6 {
-        for (size, colour) in &levels {
+        for (size, color) in &levels {
             for row in 0..*size {
                 for column in 0..*size {
                     let at = |k: u32| 2.0 * (k as f32 + 0.5) / *size as f32 - 1.0;
-                    let value = colour(face_direction(face, at(column), at(row)));
+                    let value = color(face_direction(face, at(column), at(row)));
                     for channel in [value.x, value.y, value.z, 1.0] {
                         data.extend(half_float(channel).to_le_bytes());
                     }

@@ -33,6 +33,8 @@ pub struct ExtractedMirror {
     pub world_from_local: Mat4,
     pub clip_from_view: Mat4,
     /// See [`ReflectedView`].
+    pub clip_unbounded: Option<Mat4>,
+    /// See [`ReflectedView`].
     pub ndc_bounds: (Vec2, Vec2),
     pub depths: DepthRange,
 }
@@ -56,6 +58,7 @@ pub fn extract_mirrors(
             mesh: mesh.id(),
             world_from_local: transform.to_matrix(),
             clip_from_view: reflected.clip_from_view,
+            clip_unbounded: reflected.clip_unbounded,
             ndc_bounds: reflected.ndc_bounds,
             depths: reflected.depths,
         });

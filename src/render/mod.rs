@@ -77,7 +77,7 @@ pub fn build_render_app(render_app: &mut SubApp) {
                     .in_set(RenderSystems::PrepareResources),
                 transmission::prepare_mirror_transmission.in_set(RenderSystems::PrepareResources),
                 prepare::prepare_mirrors.in_set(RenderSystems::PrepareBindGroups),
-                variant::vary_skyboxes
+                (variant::vary_skyboxes, variant::vary_queued_items)
                     .after(RenderSystems::Prepare)
                     .before(RenderSystems::Render),
                 variant::restore_queued_items.in_set(RenderSystems::Cleanup),

@@ -11,14 +11,13 @@ use bevy::{
         core_3d::{AlphaMask3d, Opaque3d, Transparent3d},
         skybox::SkyboxPipelineId,
     },
-    ecs::prelude::*,
+    ecs::{prelude::*, system::SystemParam},
     log::warn,
     pbr::{SpecializedMaterialPipelineCache, Transmissive3d},
     platform::collections::{HashMap, HashSet},
     render::{
         render_phase::{
-            BinnedPhaseItem, BinnedRenderPhase, SortedPhaseItem, SortedRenderPhase,
-            ViewBinnedRenderPhases, ViewSortedRenderPhases,
+            BinnedPhaseItem, BinnedRenderPhase, ViewBinnedRenderPhases, ViewSortedRenderPhases,
         },
         render_resource::{
             CachedRenderPipelineId, CompareFunction, FrontFace, PipelineCache,
@@ -41,6 +40,8 @@ pub struct StencilVariants {
     variants: HashMap<CachedRenderPipelineId, (CachedRenderPipelineId, PassFormat)>,
     /// variant -> base.
     bases: HashMap<CachedRenderPipelineId, CachedRenderPipelineId>,
+    /// Pipelines that other plugins queued by themselves.
+    foreign: HashSet<CachedRenderPipelineId>,
     /// What was left out, so that each is named once.
     left_out: HashSet<CachedRenderPipelineId>,
 }
@@ -56,8 +57,28 @@ impl FromWorld for StencilVariants {
             },
             variants: HashMap::default(),
             bases: HashMap::default(),
+            foreign: HashSet::default(),
             left_out: HashSet::default(),
         }
+    }
+}
+
+impl StencilVariants {
+    /// [`Self::variant`] of what is not one yet: an item that another plugin has queued.
+    fn foreign_variant(
+        &mut self,
+        base: CachedRenderPipelineId,
+        pass: PassFormat,
+        cache: &mut PipelineCache,
+    ) -> Option<CachedRenderPipelineId> {
+        self.foreign.insert(base);
+        self.variant(base, pass, cache)
+    }
+
+    /// What to put back in place of a variant once the frame is drawn.
+    fn restore_foreign(&self, variant: CachedRenderPipelineId) -> Option<CachedRenderPipelineId> {
+        let base = self.bases.get(&variant)?;
+        self.foreign.contains(base).then_some(*base)
     }
 }
 
@@ -185,35 +206,55 @@ pub fn vary_material_pipelines(
     }
 }
 
+/// The phases of all reflected views.
+#[derive(SystemParam)]
+pub struct Phases<'w> {
+    opaque: ResMut<'w, ViewBinnedRenderPhases<Opaque3d>>,
+    alpha_mask: ResMut<'w, ViewBinnedRenderPhases<AlphaMask3d>>,
+    transmissive: ResMut<'w, ViewSortedRenderPhases<Transmissive3d>>,
+    transparent: ResMut<'w, ViewSortedRenderPhases<Transparent3d>>,
+}
+
 /// Replaces the pipelines of what other plugins queued into reflected views by themselves.
+///
+/// Runs once before the items are batched and once before they are drawn, for what comes late.
 pub fn vary_queued_items(
     mirrors: Res<ExtractedMirrors>,
-    views: MirrorViews,
-    mut opaque: ResMut<ViewBinnedRenderPhases<Opaque3d>>,
-    mut alpha_mask: ResMut<ViewBinnedRenderPhases<AlphaMask3d>>,
-    mut transmissive: ResMut<ViewSortedRenderPhases<Transmissive3d>>,
-    mut transparent: ResMut<ViewSortedRenderPhases<Transparent3d>>,
+    mut views: Query<(&mut ExtractedView, &Msaa)>,
+    mut phases: Phases,
     mut variants: ResMut<StencilVariants>,
     mut cache: ResMut<PipelineCache>,
 ) {
     for mirror in &mirrors.0 {
-        let Ok((view, msaa)) = views.get(mirror.view) else {
+        let Ok((mut view, msaa)) = views.get_mut(mirror.view) else {
             continue;
         };
-        let format = pass_format(view, msaa);
+        let format = pass_format(&view, msaa);
         let key = &view.retained_view_entity;
-        let mut vary = |pipeline| variants.variant(pipeline, format, &mut cache);
-        if let Some(phase) = opaque.get_mut(key) {
+        let mut met = false;
+        let mut vary = |pipeline: &mut CachedRenderPipelineId| {
+            if variants.bases.contains_key(pipeline) {
+                return true;
+            }
+            met = true;
+            let variant = variants.foreign_variant(*pipeline, format, &mut cache);
+            *pipeline = variant.unwrap_or(*pipeline);
+            variant.is_some()
+        };
+        if let Some(phase) = phases.opaque.get_mut(key) {
             rekey(phase, |key| &mut key.pipeline, &mut vary);
         }
-        if let Some(phase) = alpha_mask.get_mut(key) {
+        if let Some(phase) = phases.alpha_mask.get_mut(key) {
             rekey(phase, |key| &mut key.pipeline, &mut vary);
         }
-        if let Some(phase) = transmissive.get_mut(key) {
-            replace(phase, |item| &mut item.pipeline, &mut vary);
+        if let Some(phase) = phases.transmissive.get_mut(key) {
+            phase.items.retain(|_, item| vary(&mut item.pipeline));
         }
-        if let Some(phase) = transparent.get_mut(key) {
-            replace(phase, |item| &mut item.pipeline, &mut vary);
+        if let Some(phase) = phases.transparent.get_mut(key) {
+            phase.items.retain(|_, item| vary(&mut item.pipeline));
+        }
+        if met && let Some(oblique) = mirror.clip_unbounded {
+            view.clip_from_view = oblique;
         }
     }
 }
@@ -223,59 +264,63 @@ pub fn vary_queued_items(
 pub fn restore_queued_items(
     mirrors: Res<ExtractedMirrors>,
     views: MirrorViews,
-    mut opaque: ResMut<ViewBinnedRenderPhases<Opaque3d>>,
-    mut alpha_mask: ResMut<ViewBinnedRenderPhases<AlphaMask3d>>,
+    mut phases: Phases,
     variants: Res<StencilVariants>,
 ) {
-    let mut base = |pipeline| Some(variants.bases.get(&pipeline).copied().unwrap_or(pipeline));
+    let mut restore = |pipeline: &mut CachedRenderPipelineId| {
+        *pipeline = variants.restore_foreign(*pipeline).unwrap_or(*pipeline);
+        true
+    };
     for mirror in &mirrors.0 {
         let Ok((view, _)) = views.get(mirror.view) else {
             continue;
         };
         let key = &view.retained_view_entity;
-        if let Some(phase) = opaque.get_mut(key) {
-            rekey(phase, |key| &mut key.pipeline, &mut base);
+        if let Some(phase) = phases.opaque.get_mut(key) {
+            rekey(phase, |key| &mut key.pipeline, &mut restore);
         }
-        if let Some(phase) = alpha_mask.get_mut(key) {
-            rekey(phase, |key| &mut key.pipeline, &mut base);
+        if let Some(phase) = phases.alpha_mask.get_mut(key) {
+            rekey(phase, |key| &mut key.pipeline, &mut restore);
         }
     }
 }
 
-/// Exchanges the pipeline of every bin of non-mesh items; bins without one are emptied.
+/// Changes the pipelines of bins; a bin whose pipeline cannot be changed is emptied.
 fn rekey<I: BinnedPhaseItem>(
     phase: &mut BinnedRenderPhase<I>,
     pipeline: impl Fn(&mut I::BatchSetKey) -> &mut CachedRenderPipelineId,
-    vary: &mut impl FnMut(CachedRenderPipelineId) -> Option<CachedRenderPipelineId>,
+    vary: &mut impl FnMut(&mut CachedRenderPipelineId) -> bool,
 ) {
-    if phase.non_mesh_items.is_empty() {
-        return;
+    let mut changes = |set: &I::BatchSetKey| {
+        let mut varied = set.clone();
+        !vary(pipeline(&mut varied)) || varied != *set
+    };
+    let change_batchable = phase.batchable_meshes.keys().any(|(set, _)| changes(set));
+    let change_unbatchable = phase.unbatchable_meshes.keys().any(|(set, _)| changes(set));
+    let change_others = phase.non_mesh_items.keys().any(|(set, _)| changes(set));
+    if change_batchable {
+        rekey_bins(&mut phase.batchable_meshes, &pipeline, vary);
     }
-    for ((mut set, bin), entities) in core::mem::take(&mut phase.non_mesh_items) {
-        let id = pipeline(&mut set);
-        if let Some(varied) = vary(*id) {
-            *id = varied;
-            phase.non_mesh_items.insert((set, bin), entities);
-        }
+    if change_unbatchable {
+        rekey_bins(&mut phase.unbatchable_meshes, &pipeline, vary);
+    }
+    if change_others {
+        rekey_bins(&mut phase.non_mesh_items, &pipeline, vary);
     }
 }
 
-/// Exchanges the pipeline of every sorted item; items without one are removed.
-fn replace<I: SortedPhaseItem>(
-    phase: &mut SortedRenderPhase<I>,
-    pipeline: impl Fn(&mut I) -> &mut CachedRenderPipelineId,
-    vary: &mut impl FnMut(CachedRenderPipelineId) -> Option<CachedRenderPipelineId>,
-) {
-    phase.items.retain(|_, item| {
-        let id = pipeline(item);
-        match vary(*id) {
-            Some(varied) => {
-                *id = varied;
-                true
-            }
-            None => false,
-        }
-    });
+/// Keeps the order, by which batches find their bins.
+fn rekey_bins<M, S, B, V>(
+    bins: &mut M,
+    pipeline: impl Fn(&mut S) -> &mut CachedRenderPipelineId,
+    vary: &mut impl FnMut(&mut CachedRenderPipelineId) -> bool,
+) where
+    M: Default + IntoIterator<Item = ((S, B), V)> + Extend<((S, B), V)>,
+{
+    let old = core::mem::take(bins);
+    bins.extend(old.into_iter().filter_map(|((mut set, bin), value)| {
+        vary(pipeline(&mut set)).then_some(((set, bin), value))
+    }));
 }
 
 /// Replaces the skybox pipeline of reflected views.

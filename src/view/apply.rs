@@ -110,6 +110,7 @@ fn spawn_view(world: &mut World, camera: Entity, mirror: Entity) -> Entity {
             camera,
             mirror,
             clip_from_view: Default::default(),
+            clip_unbounded: None,
             ndc_bounds: Default::default(),
             depths: DepthRange::EVERYTHING,
         },

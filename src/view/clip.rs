@@ -9,7 +9,7 @@ use bevy::{
         visibility::{NoCpuCulling, NoFrustumCulling, VisibleEntities},
     },
     ecs::prelude::*,
-    mesh::Mesh3d,
+    light::cluster::ClusterVisibilityClass,
     transform::components::GlobalTransform,
 };
 use glam::{DMat4, DVec3, DVec4};
@@ -61,18 +61,24 @@ pub fn clip_reflected_views(
                 DepthRange::EVERYTHING
             },
         };
-        visible
-            .get_mut(TypeId::of::<Mesh3d>())
-            .retain(|&entity| match objects.get(entity) {
+        for (class, visible) in &mut visible.entities {
+            // Lights and decals reach farther than their bounds.
+            if *class == TypeId::of::<ClusterVisibilityClass>() {
+                continue;
+            }
+            visible.retain(|&entity| match objects.get(entity) {
                 _ if entity == decision.mirror => false,
                 Ok(bounds) => seen.shows(bounds, planned, &rows),
                 Err(_) => true,
             });
+        }
         planned.projection = match planned.clip {
             MirrorClip::Auto if !seen.crossed => Projection::Plain,
             MirrorClip::Auto | MirrorClip::Oblique => Projection::Oblique,
             MirrorClip::Whole => Projection::Plain,
         };
+        reflected.clip_unbounded = (planned.clip == MirrorClip::Auto)
+            .then(|| planned.plan.clip_from_view_oblique.as_mat4());
         planned.depths = seen.depths;
         let (low, high) = planned.plan.polygon.ndc_bounds();
         reflected.clip_from_view = match planned.projection {
@@ -140,10 +146,10 @@ struct WorldBox {
 impl WorldBox {
     fn new(transform: &GlobalTransform, aabb: &Aabb) -> Self {
         let world_from_local = transform.affine().as_daffine3();
-        let half = DVec3::from(aabb.half_extents.as_dvec3());
+        let half = aabb.half_extents.as_dvec3();
         let axes = world_from_local.matrix3;
         Self {
-            center: world_from_local.transform_point3(DVec3::from(aabb.center.as_dvec3())),
+            center: world_from_local.transform_point3(aabb.center.as_dvec3()),
             half_axes: [
                 axes.x_axis * half.x,
                 axes.y_axis * half.y,

@@ -83,7 +83,7 @@ pub fn decide_reflected_views(
     inputs.sort_unstable_by_key(|camera| camera.entity);
 
     for (mirror, settings, transform, visible, mesh, layers, aabb) in &mirrors {
-        let world_from_local = DAffine3::from(transform.affine().as_daffine3());
+        let world_from_local = transform.affine().as_daffine3();
         let is_loaded = |mesh: &Mesh3d| meshes.as_ref().is_some_and(|m| m.contains(mesh));
         let mesh = mesh.filter(|mesh| is_loaded(mesh));
         let patch = mirror_patch(settings, mesh, aabb, &patches).and_then(|patch| {
@@ -155,12 +155,7 @@ fn mirror_patch(
     match settings.plane {
         MirrorPlane::FromMesh => *patches.0.get(&mesh.id()).ok_or(NotDrawn::NoMesh)?,
         MirrorPlane::Local { point, normal } => {
-            let bounds = aabb.map(|aabb| {
-                (
-                    DVec3::from(aabb.center.as_dvec3()),
-                    DVec3::from(aabb.half_extents.as_dvec3()),
-                )
-            });
+            let bounds = aabb.map(|aabb| (aabb.center.as_dvec3(), aabb.half_extents.as_dvec3()));
             PlanarPatch::from_point_and_normal(point.as_dvec3(), normal.as_dvec3(), bounds)
                 .ok_or(NotDrawn::DegenerateTransform)
         }

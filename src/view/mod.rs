@@ -123,6 +123,9 @@ pub struct ReflectedView {
     /// The mirror that it is seen in.
     pub mirror: Entity,
     pub clip_from_view: Mat4,
+    /// The projection to take instead if other plugins put something into the view of which
+    /// nobody knows where it is.
+    pub clip_unbounded: Option<Mat4>,
     /// The lowest and the highest device coordinates of what is seen of the mirror.
     pub ndc_bounds: (Vec2, Vec2),
     /// Of everything that is visible in it.

@@ -1,12 +1,18 @@
 //! Lights, shadows, fog and environment in the reflection.
 
 use bevy::{
-    light::EnvironmentMapLight,
+    asset::RenderAssetUsages,
+    light::{
+        CascadeShadowConfigBuilder, EnvironmentMapLight, IrradianceVolume, LightProbe,
+        ShadowFilteringMethod,
+    },
     pbr::{DistanceFog, FogFalloff},
     prelude::*,
+    render::render_resource::{Extent3d, TextureDimension, TextureFormat},
 };
 
 use crate::support::{
+    live::Live,
     props::{add, at, lamp, lit, six_colors, spot, sun},
     scene::{Scene, Surface},
     studio::{Studio, assert_reflects},
@@ -64,9 +70,34 @@ fn a_sun_without_shadows_lights_the_reflection() {
     assert_reflects(&still_life("sun").prop(sun(false)));
 }
 
+/// Low enough that the shadows fall on the wall behind the things.
+fn evening_sun(from: Vec3, cascades: usize) -> impl Bundle + Clone {
+    let light = DirectionalLight {
+        illuminance: 3000.0,
+        shadow_maps_enabled: cascades > 0,
+        ..default()
+    };
+    let cascades = CascadeShadowConfigBuilder {
+        num_cascades: cascades.max(1),
+        maximum_distance: 20.0,
+        first_cascade_far_bound: if cascades > 1 { 6.0 } else { 20.0 },
+        ..default()
+    };
+    (
+        light,
+        cascades.build(),
+        Transform::from_translation(from).looking_at(Vec3::ZERO, Vec3::Y),
+    )
+}
+
+/// Of a lamp that stands low, so that shadows fall on the wall.
+fn low_spot() -> impl Bundle + Clone {
+    spot(vec3(0.6, 1.0, 3.0), vec3(-0.3, 0.6, 0.0), true)
+}
+
 #[test]
 fn a_suns_shadows_lie_right_in_the_reflection() {
-    let scene = still_life("sun-shadows").prop(sun(true));
+    let scene = still_life("sun-shadows").prop(evening_sun(vec3(1.0, 1.2, 3.0), 2));
     assert_shadows_matter(&scene);
     assert_reflects(&scene);
 }
@@ -80,7 +111,7 @@ fn a_point_lights_shadows_lie_right_in_the_reflection() {
 
 #[test]
 fn a_spot_lights_shadows_lie_right_in_the_reflection() {
-    let scene = still_life("spot-shadows").prop(spot(vec3(1.5, 3.0, 2.0), Vec3::ZERO, true));
+    let scene = still_life("spot-shadows").prop(low_spot());
     assert_shadows_matter(&scene);
     assert_reflects(&scene);
 }
@@ -88,10 +119,67 @@ fn a_spot_lights_shadows_lie_right_in_the_reflection() {
 #[test]
 fn shadows_of_sun_lamp_and_spot_together_lie_right() {
     let scene = still_life("all-shadows")
-        .prop(sun(true))
+        .prop(evening_sun(vec3(1.0, 1.2, 3.0), 2))
         .prop(lamp(vec3(-1.5, 2.0, 2.0), true))
-        .prop(spot(vec3(1.5, 3.0, 2.0), Vec3::ZERO, true));
+        .prop(low_spot());
+    assert_shadows_matter(&scene);
     assert_reflects(&scene);
+}
+
+/// All cascades of all suns lie in one array, and the maps of spots behind them.
+#[test]
+fn shadows_of_suns_with_different_numbers_of_cascades_lie_right() {
+    let scene = still_life("suns")
+        .prop(evening_sun(vec3(1.0, 1.2, 3.0), 1))
+        .prop(evening_sun(vec3(0.0, 2.0, 2.0), 0))
+        .prop(evening_sun(vec3(-2.0, 1.0, 3.0), 4))
+        .prop(evening_sun(vec3(0.4, 0.6, 3.0), 3))
+        .prop(low_spot());
+    assert_shadows_matter(&scene);
+    assert_reflects(&scene);
+}
+
+/// Soft, softer, and noisy shadows. The noise is a pattern of the screen, so the reference must
+/// not be flipped.
+#[test]
+fn shadows_are_filtered_in_the_reflection_as_the_camera_says() {
+    use ShadowFilteringMethod::{Gaussian, Hardware2x2, Temporal};
+    let mut studio = Studio::default();
+    let mut last = None;
+    for method in [Hardware2x2, Gaussian, Temporal] {
+        let scene = still_life(&format!("filter-{method:?}"))
+            .prop(evening_sun(vec3(1.0, 1.2, 3.0), 1))
+            .prop(low_spot())
+            .with_camera(method);
+        let picture = studio.assert_reflects_in_place(&scene);
+        let mask = studio.mask(&scene, 0);
+        if let Some(last) = last {
+            let other = picture.difference(&last, 8, |place| mask.inside(place));
+            assert!(
+                other.as_ref().is_ok_and(|other| other.beyond > 5),
+                "{method:?} filters as the one before: {other:?}"
+            );
+        }
+        last = Some(picture);
+    }
+}
+
+/// The arrays of shadow maps grow when a light comes, and its maps move when another goes.
+#[test]
+fn lights_that_come_and_go_throw_their_shadows_at_once() {
+    let bare = still_life("come-and-go").prop(lamp(vec3(-1.5, 2.0, 2.0), true));
+    let with_spot = bare.clone().prop(low_spot());
+    let with_both = with_spot.clone().prop(evening_sun(vec3(1.0, 1.2, 3.0), 2));
+    let mut studio = Studio::default();
+    let expected = [&bare, &with_spot, &with_both].map(|scene| studio.picture(scene));
+    let mut live = Live::new(&bare);
+    live.settled().assert_same(&expected[0], "lights-0");
+    live.world().spawn(low_spot());
+    live.settled().assert_same(&expected[1], "lights-1");
+    let sun = live.world().spawn(evening_sun(vec3(1.0, 1.2, 3.0), 2)).id();
+    live.settled().assert_same(&expected[2], "lights-2");
+    live.world().despawn(sun);
+    live.settled().assert_same(&expected[1], "lights-3");
 }
 
 #[test]
@@ -118,15 +206,33 @@ fn a_cameras_own_ambient_light_lights_the_reflection() {
 
 #[test]
 fn fog_thickens_with_the_length_of_the_reflected_way() {
-    let fog = DistanceFog {
-        color: Color::srgb(0.6, 0.7, 0.8),
-        falloff: FogFalloff::Linear {
+    let falloffs = [
+        FogFalloff::Linear {
             start: 2.0,
             end: 9.0,
         },
-        ..default()
-    };
-    assert_reflects(&still_life("fog").prop(sun(false)).with_camera(fog));
+        FogFalloff::Exponential { density: 0.15 },
+        FogFalloff::ExponentialSquared { density: 0.15 },
+        FogFalloff::from_visibility_colors(
+            9.0,
+            Color::srgb(0.35, 0.5, 0.66),
+            Color::srgb(0.8, 0.84, 1.0),
+        ),
+    ];
+    let mut studio = Studio::default();
+    for (i, falloff) in falloffs.into_iter().enumerate() {
+        let fog = DistanceFog {
+            color: Color::srgb(0.6, 0.7, 0.8),
+            // Brighter towards the sun, also where one looks at it through the mirror.
+            directional_light_color: Color::srgb(1.0, 0.8, 0.4),
+            directional_light_exponent: 4.0,
+            falloff,
+        };
+        let scene = still_life(&format!("fog-{i}"))
+            .prop(evening_sun(vec3(1.0, 1.2, 3.0), 0))
+            .with_camera(fog);
+        studio.assert_reflects(&scene);
+    }
 }
 
 #[test]
@@ -141,6 +247,112 @@ fn an_environment_map_lights_the_reflection() {
         });
     });
     assert_reflects(&scene);
+}
+
+#[test]
+fn a_turned_environment_map_is_turned_in_the_reflection() {
+    let shiny = StandardMaterial {
+        perceptual_roughness: 0.1,
+        metallic: 1.0,
+        ..lit(Color::WHITE)
+    };
+    let mut scene = still_life("environment-turned").touch_camera(|camera| {
+        let map = add(camera, six_colors());
+        camera.insert(EnvironmentMapLight {
+            diffuse_map: map.clone(),
+            specular_map: map,
+            intensity: 900.0,
+            rotation: Quat::from_euler(EulerRot::XYZ, 0.5, 1.2, 0.3),
+            ..default()
+        });
+    });
+    scene.objects[0].look = shiny.into();
+    assert_reflects(&scene);
+}
+
+/// A probe that holds the ball alone, and one beside it.
+#[test]
+fn light_probes_light_the_reflection() {
+    let mut scene = still_life("probes");
+    for (place, size, intensity) in [
+        (vec3(-0.8, 0.7, 0.2), 1.5, 2500.0),
+        (vec3(0.9, 0.4, -0.4), 2.0, 700.0),
+    ] {
+        scene.props.push(std::sync::Arc::new(move |entity| {
+            let map = add(entity, six_colors());
+            entity.insert((
+                LightProbe::default(),
+                EnvironmentMapLight {
+                    diffuse_map: map.clone(),
+                    specular_map: map,
+                    intensity,
+                    ..default()
+                },
+                Transform::from_translation(place).with_scale(Vec3::splat(size)),
+            ));
+        }));
+    }
+    assert_light_matters(&scene);
+    assert_reflects(&scene);
+}
+
+#[test]
+fn an_irradiance_volume_lights_the_reflection() {
+    let mut scene = still_life("irradiance");
+    scene.props.push(std::sync::Arc::new(|entity| {
+        let voxels = add(entity, voxels());
+        entity.insert((
+            LightProbe::default(),
+            IrradianceVolume {
+                voxels,
+                intensity: 3000.0,
+                ..default()
+            },
+            at(0.0, 1.0, 0.0).with_scale(vec3(6.0, 4.0, 6.0)),
+        ));
+    }));
+    assert_light_matters(&scene);
+    assert_reflects(&scene);
+}
+
+/// Two voxels along each axis, another color to each of the six sides.
+fn voxels() -> Image {
+    let size = Extent3d {
+        width: 2,
+        height: 4,
+        depth_or_array_layers: 6,
+    };
+    let texel = |x: u32, y: u32, z: u32| {
+        [
+            60 + 150 * x as u8,
+            40 + 60 * y as u8,
+            250 - 40 * z as u8,
+            255,
+        ]
+    };
+    let data = (0..6)
+        .flat_map(|z| (0..4).flat_map(move |y| (0..2).map(move |x| (x, y, z))))
+        .flat_map(|(x, y, z)| texel(x, y, z))
+        .collect();
+    let format = TextureFormat::Rgba8Unorm;
+    let usage = RenderAssetUsages::default();
+    Image::new(size, TextureDimension::D3, data, format, usage)
+}
+
+/// Without its lights the reflection would be another one: else the test would test nothing.
+fn assert_light_matters(scene: &Scene) {
+    let mut studio = Studio::default();
+    let lit = studio.reference(scene, 0);
+    let mut dark = scene.clone();
+    dark.props.clear();
+    let mask = studio.mask(scene, 0);
+    let difference = studio
+        .reference(&dark, 0)
+        .difference(&lit, 8, |place| mask.inside(place));
+    assert!(
+        difference.as_ref().is_ok_and(|d| d.beyond > 300),
+        "it lights nothing: {difference:?}"
+    );
 }
 
 #[test]

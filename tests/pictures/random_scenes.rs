@@ -3,7 +3,7 @@
 
 use crate::support::{
     random::{self, Kind},
-    studio::Studio,
+    studio::{SHARE_FAR_AWAY, Studio},
 };
 
 /// One studio draws them all: what a scene leaves behind must not show in the next.
@@ -45,7 +45,21 @@ fn orthographic_scenes() {
     assert_all_reflect(Kind::Orthographic, 300..306);
 }
 
+/// So far away single precision moves an edge by some hundredths of a pixel, in the reference as in the mirror. One
+/// mirror of these has too few pixels for a share of them to say anything; all of them together have enough.
 #[test]
 fn scenes_far_from_the_origin() {
-    assert_all_reflect(Kind::FarAway, 400..407);
+    let mut studio = Studio::default();
+    let (mut compared, mut beyond) = (0, 0);
+    for seed in 400..412 {
+        let scene = random::scene(seed, Kind::FarAway);
+        let difference = studio.reflection_error(&scene);
+        assert!(difference.beyond <= 4, "seed {seed}: {difference}");
+        compared += difference.compared;
+        beyond += difference.beyond;
+    }
+    assert!(
+        beyond as f64 <= compared as f64 * (1.0 - SHARE_FAR_AWAY),
+        "{beyond} of {compared} pixels differ"
+    );
 }

@@ -2,8 +2,13 @@
 //! ways ([`scene`], [`studio`], [`reference`]), and pictures that can be compared ([`picture`]).
 
 pub mod cut;
+pub mod foreign;
+pub mod hall;
+pub mod linear;
+pub mod live;
 pub mod log;
 pub mod mask;
+pub mod opening;
 pub mod picture;
 pub mod props;
 pub mod random;

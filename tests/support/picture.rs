@@ -217,7 +217,10 @@ impl Picture {
                 }
             })
             .collect();
-        let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.png"));
+        // Examples are not told of the folder for tests.
+        let folder =
+            option_env!("CARGO_TARGET_TMPDIR").map_or_else(std::env::temp_dir, PathBuf::from);
+        let path = folder.join(format!("{name}.png"));
         let bytes = self.pixels.as_flattened();
         let format = image::ExtendedColorType::Rgba8;
         match image::save_buffer(&path, bytes, self.size.x, self.size.y, format) {

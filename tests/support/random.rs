@@ -94,7 +94,8 @@ pub fn scene(seed: u64, kind: Kind) -> Scene {
             (place, place.with_z(0.0))
         }
         Kind::Grazing => {
-            let place = vec3(random.between(-0.5, 0.5), -4.0, random.between(0.15, 0.4));
+            let beside = -height / 2.0 - 0.4;
+            let place = vec3(random.between(-0.5, 0.5), beside, random.between(0.15, 0.4));
             (
                 place,
                 random.within(vec3(-0.5, 0.0, -0.3), vec3(0.5, 1.0, 0.5)),
@@ -154,13 +155,17 @@ pub fn scene(seed: u64, kind: Kind) -> Scene {
                 .minor_resolution(12)
                 .major_resolution(20)
                 .build(),
+            // A cone's tip has no normal, and what is cut between a corner with one and a corner
+            // without is not lit as before.
             _ => Cone {
                 radius: 0.6,
                 height: 1.2,
             }
             .mesh()
             .resolution(20)
-            .build(),
+            .build()
+            .with_duplicated_vertices()
+            .with_computed_flat_normals(),
         };
         let color = random.color();
         let look: Look = if is_lit {

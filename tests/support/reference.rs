@@ -33,3 +33,10 @@ pub fn reflected_eye(eye: &Transform, plane: Plane) -> Transform {
         scale: Vec3::ONE,
     }
 }
+
+/// The camera reflected as it is, and therefore left-handed: what it sees needs no flip, but its
+/// triangles wind the other way. It may be scaled.
+pub fn left_handed_eye(eye: &Transform, plane: Plane) -> Transform {
+    let upright = reflected_eye(&eye.with_scale(Vec3::ONE), plane);
+    upright.with_scale(eye.scale * Vec3::new(-1.0, 1.0, 1.0))
+}

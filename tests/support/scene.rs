@@ -30,6 +30,8 @@ pub struct Scene {
     pub props: Vec<Touch>,
     /// What the camera carries besides.
     pub camera: Vec<Touch>,
+    /// Done to the camera of masks too: viewports and whatever else decides where things are seen.
+    pub lens: Vec<Touch>,
     pub clear_color: Color,
     pub ambient: GlobalAmbientLight,
     /// Plugins that the scene needs, for materials of its own.
@@ -77,6 +79,7 @@ impl Scene {
             objects: Vec::new(),
             props: Vec::new(),
             camera: Vec::new(),
+            lens: Vec::new(),
             clear_color: Color::srgb_u8(10, 20, 30),
             ambient: GlobalAmbientLight {
                 brightness: 0.0,
@@ -138,6 +141,12 @@ impl Scene {
         touch: impl Fn(&mut EntityWorldMut) + Send + Sync + 'static,
     ) -> Self {
         self.camera.push(Arc::new(touch));
+        self
+    }
+
+    /// Anything done to the camera that moves what it sees on the screen.
+    pub fn lens(mut self, touch: impl Fn(&mut EntityWorldMut) + Send + Sync + 'static) -> Self {
+        self.lens.push(Arc::new(touch));
         self
     }
 

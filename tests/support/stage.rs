@@ -17,10 +17,11 @@ use bevy::{
         render_asset::RenderAssets,
         render_resource::{
             BufferDescriptor, BufferUsages, CachedPipelineState, CommandEncoderDescriptor,
-            Extent3d, MapMode, PipelineCache, PollType, TexelCopyBufferInfo, TexelCopyBufferLayout,
-            TextureDimension, TextureFormat, TextureUsages,
+            Extent3d, MapMode, PipelineCache, PipelineDescriptor, PollType, TexelCopyBufferInfo,
+            TexelCopyBufferLayout, TextureDimension, TextureFormat, TextureUsages,
         },
         renderer::{RenderDevice, RenderQueue},
+        settings::WgpuSettings,
         texture::GpuImage,
     },
     window::ExitCondition,
@@ -77,6 +78,11 @@ impl Stage {
     ///
     /// Panics without a graphics adapter: a machine that cannot draw must not pass for one that can.
     pub fn new(add: impl FnOnce(&mut App)) -> Self {
+        Self::with_wgpu(WgpuSettings::default(), add)
+    }
+
+    /// [`Self::new`] on a device as these settings ask for it.
+    pub fn with_wgpu(wgpu: WgpuSettings, add: impl FnOnce(&mut App)) -> Self {
         let turn = Turn::take();
         log::install();
         log::take();
@@ -89,6 +95,7 @@ impl Stage {
                     ..default()
                 })
                 .set(RenderPlugin {
+                    render_creation: wgpu.into(),
                     synchronous_pipeline_compilation: true,
                     ..default()
                 })
@@ -121,16 +128,25 @@ impl Stage {
         self.app.world_mut()
     }
 
+    pub fn app(&mut self) -> &mut App {
+        &mut self.app
+    }
+
     pub fn render_world(&mut self) -> &mut World {
         self.app.sub_app_mut(RenderApp).world_mut()
     }
 
     /// Adds an image that cameras can draw into.
     pub fn target(&mut self, size: UVec2) -> Handle<Image> {
+        self.target_of(size, TextureFormat::Rgba8UnormSrgb)
+    }
+
+    /// [`Self::target`] of another format; one that [`Self::read`] knows.
+    pub fn target_of(&mut self, size: UVec2, format: TextureFormat) -> Handle<Image> {
         let mut image = Image::new_uninit(
             extent(size),
             TextureDimension::D2,
-            TextureFormat::Rgba8UnormSrgb,
+            format,
             RenderAssetUsages::default(),
         );
         image.texture_descriptor.usage |=
@@ -141,10 +157,17 @@ impl Stage {
     /// One update, drawn to its end. Panics if the renderer or anything else reports an error.
     #[track_caller]
     pub fn frame(&mut self) {
-        self.app.update();
+        if let Err(error) = self.try_frame(App::update) {
+            panic!("{error}");
+        }
+    }
+
+    /// One update as `step` does it, drawn to its end; or what was reported as an error.
+    pub fn try_frame(&mut self, step: impl FnOnce(&mut App)) -> Result<(), String> {
+        step(&mut self.app);
         let device = self.app.world().resource::<RenderDevice>().clone();
         if let Err(error) = device.wgpu_device().poll(PollType::wait_indefinitely()) {
-            panic!("the device did not finish the frame: {error}");
+            return Err(format!("the device did not finish the frame: {error}"));
         }
         self.log.extend(log::take());
         let errors: Vec<_> = self
@@ -153,11 +176,10 @@ impl Stage {
             .filter(|line| line.level == Level::ERROR)
             .map(|line| &*line.text)
             .collect();
-        assert!(
-            errors.is_empty(),
-            "the app reports errors:\n{}",
-            errors.join("\n")
-        );
+        if errors.is_empty() {
+            return Ok(());
+        }
+        Err(format!("the app reports errors:\n{}", errors.join("\n")))
     }
 
     /// What was logged as a warning since the stage was built.
@@ -201,8 +223,21 @@ impl Stage {
         }
     }
 
+    /// The labels of all pipelines asked for so far, in that order.
+    pub fn pipeline_labels(&self) -> Vec<String> {
+        let render = self.app.sub_app(RenderApp).world();
+        let pipelines = render.resource::<PipelineCache>().pipelines();
+        pipelines
+            .map(|pipeline| match &pipeline.descriptor {
+                PipelineDescriptor::RenderPipelineDescriptor(it) => it.label.clone(),
+                PipelineDescriptor::ComputePipelineDescriptor(it) => it.label.clone(),
+            })
+            .map(|label| label.unwrap_or_default().into_owned())
+            .collect()
+    }
+
     /// Pipelines that are asked for and not compiled yet.
-    fn waiting_pipelines(&self) -> usize {
+    pub fn waiting_pipelines(&self) -> usize {
         let cache = self
             .app
             .sub_app(RenderApp)
@@ -231,7 +266,14 @@ impl Stage {
                 expected: size,
             });
         }
-        let row = (size.x * 4).next_multiple_of(ROW_ALIGNMENT);
+        let Some(decode) = decoder(image.texture.format()) else {
+            return Err(NoPicture::NotReadable(format!(
+                "{:?} is not known here",
+                image.texture.format()
+            )));
+        };
+        let pixel = image.texture.format().block_copy_size(None).unwrap_or(0);
+        let row = (size.x * pixel).next_multiple_of(ROW_ALIGNMENT);
         let buffer = device.create_buffer(&BufferDescriptor {
             label: Some("picture"),
             size: u64::from(row) * u64::from(size.y),
@@ -276,9 +318,47 @@ impl Stage {
         let bytes = buffer.slice(..).get_mapped_range();
         let pixels = bytes
             .chunks_exact(row as usize)
-            .flat_map(|row| row[..size.x as usize * 4].as_chunks().0.iter().copied())
+            .flat_map(|row| row[..(size.x * pixel) as usize].chunks_exact(pixel as usize))
+            .map(decode)
             .collect();
         Picture::new(size, pixels).ok_or(NoPicture::Missing)
+    }
+}
+
+/// How the bytes of a pixel become four levels; of floats, those from 0 to 1 are told apart.
+fn decoder(format: TextureFormat) -> Option<fn(&[u8]) -> [u8; 4]> {
+    match format {
+        TextureFormat::Rgba8UnormSrgb | TextureFormat::Rgba8Unorm => {
+            Some(|bytes| std::array::from_fn(|i| bytes[i]))
+        }
+        TextureFormat::Bgra8UnormSrgb | TextureFormat::Bgra8Unorm => {
+            Some(|bytes| [2, 1, 0, 3].map(|i| bytes[i]))
+        }
+        TextureFormat::Rgba16Float => Some(|bytes| {
+            let [r, g, b, a] = std::array::from_fn(|i| half([bytes[2 * i], bytes[2 * i + 1]]));
+            LinearRgba::new(r, g, b, a).to_u8_array()
+        }),
+        _ => None,
+    }
+}
+
+/// A float of 16 bits.
+fn half(bytes: [u8; 2]) -> f32 {
+    let bits = u16::from_le_bytes(bytes);
+    let (exponent, fraction) = (
+        i32::from(bits >> 10 & 0x1f),
+        f32::from(bits & 0x3ff) / 1024.0,
+    );
+    let magnitude = match exponent {
+        0 => fraction * 2.0_f32.powi(-14),
+        31 if fraction == 0.0 => f32::INFINITY,
+        31 => f32::NAN,
+        _ => (1.0 + fraction) * 2.0_f32.powi(exponent - 15),
+    };
+    if bits >> 15 == 0 {
+        magnitude
+    } else {
+        -magnitude
     }
 }
 

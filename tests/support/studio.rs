@@ -4,14 +4,15 @@ use bevy::{
     camera::{RenderTarget, visibility::RenderLayers},
     light::NotShadowCaster,
     prelude::*,
+    render::render_resource::Face,
 };
 
 use super::{
     cut::{Cut, cut},
     mask::Mask,
-    picture::Picture,
-    reference::reflected_eye,
-    scene::{Look, Scene, exact},
+    picture::{Difference, Picture},
+    reference::{left_handed_eye, reflected_eye},
+    scene::{Look, Scene, Surface, exact},
     stage::Stage,
 };
 
@@ -26,6 +27,9 @@ pub const SHARE: f64 = 0.9999;
 /// That share beyond a thousand units from the origin, where single precision shows.
 pub const SHARE_FAR_AWAY: f64 = 0.9995;
 
+/// Pixels that a mirror must have for a picture of it to say anything.
+const LEAST: usize = 100;
+
 /// How a scene is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum How {
@@ -37,6 +41,18 @@ enum How {
     Mask(usize),
     /// What the mirror of this index must show, left and right exchanged.
     Reference(usize),
+    /// What the mirror of this index must show, at its place: by a left-handed camera.
+    InPlace(usize),
+}
+
+impl How {
+    /// The mirror that is taken away for its reference.
+    fn reference(self) -> Option<usize> {
+        match self {
+            Self::Reference(mirror) | Self::InPlace(mirror) => Some(mirror),
+            _ => None,
+        }
+    }
 }
 
 /// Two apps, one with the plugin and one without, that draw one scene after the other.
@@ -91,6 +107,13 @@ impl Studio {
         draw(self.stock(), scene, How::Reference(mirror)).flipped()
     }
 
+    /// The same picture drawn without a flip, for what a flip would put elsewhere: samples, dither,
+    /// viewports, projections that lean. No material but `StandardMaterial` can be in it.
+    #[track_caller]
+    pub fn reference_in_place(&mut self, scene: &Scene, mirror: usize) -> Picture {
+        draw(self.stock(), scene, How::InPlace(mirror))
+    }
+
     /// Where the mirror of this index shows.
     #[track_caller]
     pub fn mask(&mut self, scene: &Scene, mirror: usize) -> Mask {
@@ -101,15 +124,51 @@ impl Studio {
     /// that of an app without mirrors, to the bit. Returns the picture.
     #[track_caller]
     pub fn assert_reflects(&mut self, scene: &Scene) -> Picture {
+        self.assert_shows(scene, LEAST, Self::reference)
+    }
+
+    /// [`Self::assert_reflects`] against [`Self::reference_in_place`].
+    #[track_caller]
+    pub fn assert_reflects_in_place(&mut self, scene: &Scene) -> Picture {
+        self.assert_shows(scene, LEAST, Self::reference_in_place)
+    }
+
+    /// [`Self::assert_reflects_in_place`] for mirrors of a few pixels: at least `least` of them, less
+    /// the edge.
+    #[track_caller]
+    pub fn assert_small_reflects(&mut self, scene: &Scene, least: usize) -> Picture {
+        self.assert_shows(scene, least, Self::reference_in_place)
+    }
+
+    /// How far the one mirror of a scene is from its reference; what is around it must be untouched.
+    #[track_caller]
+    pub fn reflection_error(&mut self, scene: &Scene) -> Difference {
+        let picture = self.picture(scene);
+        let mask = self.mask(scene, 0);
+        let reference = self.reference(scene, 0);
+        self.assert_untouched_outside(scene, &picture);
+        picture
+            .difference(&reference, TOLERANCE, |place| mask.inside(place))
+            .unwrap_or_else(|unlike| panic!("{}: {unlike}", scene.name))
+    }
+
+    #[track_caller]
+    fn assert_shows(
+        &mut self,
+        scene: &Scene,
+        least: usize,
+        reference: fn(&mut Self, &Scene, usize) -> Picture,
+    ) -> Picture {
         let picture = self.picture(scene);
         for mirror in 0..scene.mirrors.len() {
             let mask = self.mask(scene, mirror);
+            let count = mask.inside_count();
             assert!(
-                mask.inside_count() >= 100,
-                "{}: the mirror is too small to be tested",
+                count >= least,
+                "{}: of mirror {mirror} only {count} pixels are seen, too few to be tested",
                 scene.name
             );
-            let reference = self.reference(scene, mirror);
+            let reference = reference(self, scene, mirror);
             let far = scene.eye.translation.length() > 1e3;
             let share = if far { SHARE_FAR_AWAY } else { SHARE };
             let what = format!("{}-inside-{mirror}", scene.name);
@@ -180,7 +239,26 @@ pub fn build_plain(stage: &mut Stage, scene: &Scene, target: Handle<Image>) -> E
     build(stage.world(), scene, How::Plain, target)
 }
 
-fn clear(stage: &mut Stage) {
+/// Sets up what a mirror must show, left and right exchanged; returns the camera.
+pub fn build_reference(
+    stage: &mut Stage,
+    scene: &Scene,
+    mirror: usize,
+    target: Handle<Image>,
+) -> Entity {
+    build(stage.world(), scene, How::Reference(mirror), target)
+}
+
+/// Adds the camera of a scene, and nothing else of it, to what is set up already.
+pub fn add_camera(stage: &mut Stage, scene: &Scene, target: Handle<Image>) -> Entity {
+    let bundle = (scene.camera_bundle(), RenderTarget::from(target), scene.eye);
+    let mut camera = stage.world().spawn(bundle);
+    equip(&mut camera, scene, true);
+    camera.id()
+}
+
+/// Takes everything that a scene has spawned off the stage.
+pub fn clear(stage: &mut Stage) {
     // All that a scene spawns has a transform; what the plugins spawn for themselves stays.
     let world = stage.world();
     let spawned: Vec<Entity> = world
@@ -201,14 +279,14 @@ fn build(world: &mut World, scene: &Scene, how: How, target: Handle<Image>) -> E
     for prop in &scene.props {
         let mut entity = world.spawn(Transform::default());
         prop(&mut entity);
-        if matches!(how, How::Reference(_)) {
+        if how.reference().is_some() {
             // Lights see the casters that the camera does not.
             entity.insert(RenderLayers::from_layers(&[SEEN, CASTING]));
         }
     }
     for (index, surface) in scene.mirrors.iter().enumerate() {
         let look = match how {
-            How::Mask(mirror) if mirror == index => Some(Color::WHITE.into()),
+            How::Mask(mirror) if mirror == index => Some(white(surface)),
             How::Mask(_) => Some(Color::BLACK.into()),
             _ => surface.look.clone(),
         };
@@ -222,7 +300,7 @@ fn build(world: &mut World, scene: &Scene, how: How, target: Handle<Image>) -> E
             How::Mirrors => {
                 entity.insert(surface.mirror.clone());
             }
-            How::Reference(mirror) if mirror == index => {
+            _ if how.reference() == Some(index) => {
                 // It does not see itself, but its shadow is still there.
                 entity.insert(RenderLayers::layer(CASTING));
             }
@@ -231,7 +309,9 @@ fn build(world: &mut World, scene: &Scene, how: How, target: Handle<Image>) -> E
     }
     for object in &scene.objects {
         match how {
-            How::Reference(mirror) => spawn_cut(world, scene, mirror, object),
+            How::Reference(mirror) | How::InPlace(mirror) => {
+                spawn_cut(world, scene, mirror, object);
+            }
             How::Mask(_) => {
                 let look = silhouette(&object.look);
                 spawn(world, object.mesh.clone(), object.transform, Some(&look));
@@ -248,17 +328,31 @@ fn build(world: &mut World, scene: &Scene, how: How, target: Handle<Image>) -> E
     }
     let eye = match how {
         How::Reference(mirror) => reflected_eye(&scene.eye, scene.mirrors[mirror].plane()),
+        How::InPlace(mirror) => left_handed_eye(&scene.eye, scene.mirrors[mirror].plane()),
         _ => scene.eye,
     };
     let mut camera = world.spawn((scene.camera_bundle(), RenderTarget::from(target), eye));
-    if matches!(how, How::Mask(_)) {
-        camera.insert(Msaa::Off);
-    } else {
-        for touch in &scene.camera {
-            touch(&mut camera);
-        }
+    equip(&mut camera, scene, !matches!(how, How::Mask(_)));
+    if matches!(how, How::InPlace(_))
+        && let Some(mut camera) = camera.get_mut::<Camera>()
+    {
+        camera.invert_culling = true;
     }
     camera.id()
+}
+
+/// What the camera of a scene carries; to a mask only what moves things on the screen matters.
+fn equip(camera: &mut EntityWorldMut, scene: &Scene, whole: bool) {
+    for touch in &scene.lens {
+        touch(camera);
+    }
+    if !whole {
+        camera.insert(Msaa::Off);
+        return;
+    }
+    for touch in &scene.camera {
+        touch(camera);
+    }
 }
 
 fn spawn<'w>(
@@ -301,6 +395,18 @@ fn spawn_cut(world: &mut World, scene: &Scene, mirror: usize, object: &super::sc
         Some(&object.look),
     )
     .insert(RenderLayers::layer(CASTING));
+}
+
+/// White from the front. A mirrored transform turns the triangles over, but not the front.
+fn white(surface: &Surface) -> Look {
+    let mirrored = exact(&surface.transform).matrix3.determinant() < 0.0;
+    StandardMaterial {
+        base_color: Color::WHITE,
+        unlit: true,
+        cull_mode: Some(if mirrored { Face::Front } else { Face::Back }),
+        ..default()
+    }
+    .into()
 }
 
 /// The same shape in one color: black, or red where one sees through.

@@ -1,0 +1,23 @@
+//! The main world's half of the plugin, without a GPU: which camera gets a reflected view of which mirror, what a
+//! mirror's status says, and what a user sees of all that: nothing else.
+
+#[path = "support/log.rs"]
+mod log;
+
+mod ecs {
+    mod app;
+    mod likeness;
+    mod log_lines;
+    mod meshes;
+    mod motion;
+    mod pairing;
+    mod plugin;
+    mod projection;
+    mod reasons;
+    mod reflection;
+    mod removal;
+    mod sight;
+    mod status;
+    mod steady;
+    mod untouched;
+}
