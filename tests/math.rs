@@ -1,5 +1,7 @@
 //! The maths of the mirror: against reference vectors of 50 digits, and as laws on random input.
 
+#[path = "math/extremes.rs"]
+mod extremes;
 #[path = "math/fitting.rs"]
 mod fitting;
 #[path = "math/laws.rs"]
@@ -14,6 +16,10 @@ mod random;
 mod reference;
 #[path = "math/single_precision.rs"]
 mod single_precision;
+#[path = "support/split_mix.rs"]
+mod split_mix;
+#[path = "math/stability/mod.rs"]
+mod stability;
 #[path = "math/support.rs"]
 mod support;
 #[path = "math/vector_scenes.rs"]

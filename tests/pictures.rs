@@ -14,6 +14,7 @@ mod pictures {
     mod extremes;
     mod foreign;
     mod harness;
+    mod idle;
     mod leftovers;
     mod lighting;
     mod looks;

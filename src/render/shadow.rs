@@ -10,7 +10,7 @@
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use bevy::{
-    asset::{AssetServer, load_embedded_asset},
+    asset::{AssetServer, Handle, load_embedded_asset},
     core_pipeline::core_3d::CORE_3D_DEPTH_FORMAT,
     ecs::prelude::*,
     log::error,
@@ -32,6 +32,7 @@ use bevy::{
         texture::TextureCache,
         view::ExtractedView,
     },
+    shader::Shader,
     utils::default,
 };
 
@@ -42,7 +43,8 @@ use crate::view::{DepthRange, cascade_is_sampled};
 #[derive(Resource)]
 pub struct ShadowCopy {
     layout: BindGroupLayoutDescriptor,
-    pipeline: CachedRenderPipelineId,
+    shader: Handle<Shader>,
+    pipeline: Option<CachedRenderPipelineId>,
 }
 
 /// The layers of the reflected views' own array; empty in a frame without directional shadows.
@@ -54,38 +56,46 @@ pub struct MirrorShadowMaps {
     copied: AtomicBool,
 }
 
-pub fn init_shadow_copy(
-    mut commands: Commands,
-    assets: Res<AssetServer>,
-    cache: Res<PipelineCache>,
-) {
+pub fn init_shadow_copy(mut commands: Commands, assets: Res<AssetServer>) {
     let layout = BindGroupLayoutDescriptor::new(
         "planar_mirror_shadow_copy_layout",
         &BindGroupLayoutEntries::single(ShaderStages::FRAGMENT, texture_depth_2d()),
     );
-    let shader = load_embedded_asset!(assets.as_ref(), "shadow_copy.wgsl");
-    let pipeline = cache.queue_render_pipeline(RenderPipelineDescriptor {
-        label: Some("planar_mirror_shadow_copy".into()),
-        layout: vec![layout.clone()],
-        vertex: VertexState {
-            shader: shader.clone(),
-            ..default()
-        },
-        fragment: Some(FragmentState {
-            shader,
-            ..default()
-        }),
-        depth_stencil: Some(DepthStencilState {
-            format: CORE_3D_DEPTH_FORMAT,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(CompareFunction::Always),
-            stencil: default(),
-            bias: default(),
-        }),
-        ..default()
+    commands.insert_resource(ShadowCopy {
+        layout,
+        shader: load_embedded_asset!(assets.as_ref(), "shadow_copy.wgsl"),
+        pipeline: None,
     });
-    commands.insert_resource(ShadowCopy { layout, pipeline });
     commands.init_resource::<MirrorShadowMaps>();
+}
+
+impl ShadowCopy {
+    /// Asks for the pipeline when there is something to copy.
+    fn queue(&mut self, cache: &PipelineCache) {
+        let (layout, shader) = (&self.layout, &self.shader);
+        self.pipeline.get_or_insert_with(|| {
+            cache.queue_render_pipeline(RenderPipelineDescriptor {
+                label: Some("planar_mirror_shadow_copy".into()),
+                layout: vec![layout.clone()],
+                vertex: VertexState {
+                    shader: shader.clone(),
+                    ..default()
+                },
+                fragment: Some(FragmentState {
+                    shader: shader.clone(),
+                    ..default()
+                }),
+                depth_stencil: Some(DepthStencilState {
+                    format: CORE_3D_DEPTH_FORMAT,
+                    depth_write_enabled: Some(true),
+                    depth_compare: Some(CompareFunction::Always),
+                    stencil: default(),
+                    bias: default(),
+                }),
+                ..default()
+            })
+        });
+    }
 }
 
 /// Gives every reflected view that has cascades the array of the reflected views, and keeps the
@@ -97,7 +107,7 @@ pub fn prepare_mirror_shadows(
     lights: Query<&LightEntity>,
     mut maps: ResMut<MirrorShadowMaps>,
     mut textures: ResMut<TextureCache>,
-    copy: Res<ShadowCopy>,
+    mut copy: ResMut<ShadowCopy>,
     cache: Res<PipelineCache>,
     device: Res<RenderDevice>,
 ) {
@@ -164,6 +174,9 @@ pub fn prepare_mirror_shadows(
         binding.directional_light_depth_texture = texture.clone();
         binding.directional_light_depth_texture_view = view.clone();
     }
+    if !maps.copies.is_empty() {
+        copy.queue(&cache);
+    }
 }
 
 fn layer(texture: &Texture, index: usize) -> TextureView {
@@ -186,7 +199,7 @@ pub fn copy_spot_shadows(
     if maps.copies.is_empty() {
         return;
     }
-    let Some(pipeline) = cache.get_render_pipeline(copy.pipeline) else {
+    let Some(pipeline) = copy.pipeline.and_then(|id| cache.get_render_pipeline(id)) else {
         return;
     };
     if maps.copied.swap(true, Ordering::Relaxed) {

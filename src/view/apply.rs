@@ -67,6 +67,8 @@ pub fn apply_reflected_views(world: &mut World) {
             if !view.wanted
                 && let Ok(mut view) = world.get_entity_mut(view.entity)
             {
+                // No camera any more, before observers of its removal can look it up.
+                view.remove::<(Camera, Camera3d)>();
                 // What is disabled when it goes is not missed by the render world.
                 view.remove::<Disabled>();
                 view.despawn();

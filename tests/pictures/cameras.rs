@@ -1,5 +1,5 @@
-//! What a camera can be set to that changes every pixel: samples, dynamic range, tone mapping, exposure, grading, dither,
-//! prepasses.
+//! What a camera can be set to that changes every pixel: samples, dynamic range, tone mapping, exposure, grading, dither
+//! and prepasses.
 
 use bevy::{
     camera::{CompositingSpace, Exposure, Hdr},
@@ -21,10 +21,10 @@ use bevy_planar_mirror::{MirrorState, MirrorStatus, NotDrawn};
 use crate::support::{
     hall::{hall, sunny_hall},
     picture::Picture,
-    props::{MAGENTA, RED, at, glass},
-    scene::{Look, Scene, Surface},
+    props::{MAGENTA, at, glass},
+    scene::{Look, Scene},
     stage::Stage,
-    studio::{SHARE, Studio, TOLERANCE, assert_reflects, build_plain, build_with_mirrors},
+    studio::{Studio, assert_reflects},
 };
 
 const TONE_MAPPINGS: [Tonemapping; 5] = [
@@ -66,7 +66,7 @@ fn four_samples_smooth_the_edges_in_the_mirror() {
     let mut studio = Studio::default();
     let mask = studio.mask(&scene, 0);
     let mixed = |picture: &Picture| {
-        let colors = studio_colors(picture);
+        let colors = main_colors(picture);
         picture
             .places()
             .filter(|place| mask.inside(*place))
@@ -81,7 +81,7 @@ fn four_samples_smooth_the_edges_in_the_mirror() {
 }
 
 /// The colors that fill more than a line of the picture.
-fn studio_colors(picture: &Picture) -> Vec<[u8; 4]> {
+fn main_colors(picture: &Picture) -> Vec<[u8; 4]> {
     let mut counts = std::collections::HashMap::<[u8; 4], usize>::new();
     for place in picture.places() {
         *counts.entry(picture.at(place.x, place.y)).or_default() += 1;

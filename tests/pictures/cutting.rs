@@ -45,7 +45,7 @@ fn ball(radius: f32) -> Mesh {
 }
 
 /// A look and a component for its entity.
-fn with(color: Color, bundle: impl Bundle + Clone + Sync) -> Look {
+fn with(color: Color, bundle: impl Bundle + Clone) -> Look {
     Look::other(move |entity| {
         let material = StandardMaterial {
             base_color: color,

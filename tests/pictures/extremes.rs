@@ -11,7 +11,7 @@ use crate::support::{
     hall::{hall, sunny_hall},
     props::{BLUE, GREEN, MAGENTA, RED, YELLOW, at},
     scene::{Scene, Surface},
-    studio::{Studio, assert_reflects},
+    studio::{SHARE_FAR_AWAY, Studio, TOLERANCE, assert_reflects},
 };
 
 /// An eye straight before the middle of the hall's mirror: the plane's normal in the view is (0, 0, -1), to the bit
@@ -175,13 +175,17 @@ fn mirrors_far_from_the_origin_reflect() {
         let picture = studio.picture(&scene);
         let mask = studio.mask(&scene, 0);
         let reference = studio.reference(&scene, 0);
-        // Pixels of an edge: 600 or so are on one.
-        let share = if place.length() > 5e3 { 0.998 } else { 0.9995 };
         let inside = |place| mask.inside(place);
-        picture.assert_alike(&reference, 2, share, inside, &scene.name);
+        picture.assert_alike(&reference, TOLERANCE, SHARE_FAR_AWAY, inside, &scene.name);
         studio.assert_untouched_outside(&scene, &picture);
         let near = studio.picture(&hall("near-the-origin"));
-        picture.assert_alike(&near, 2, 0.99, |_| true, &format!("{}-near", scene.name));
+        picture.assert_alike(
+            &near,
+            TOLERANCE,
+            0.99,
+            |_| true,
+            &format!("{}-near", scene.name),
+        );
     }
 }
 
@@ -201,7 +205,7 @@ fn mirrors_of_any_scale_reflect_alike() {
         let size = vec2(3.2, 2.2) / scale.truncate().abs();
         scene.mirrors[0] = Surface::wall(size.x, size.y, at(0.0, 0.5, 0.0).with_scale(scale));
         let picture = studio.assert_reflects(&scene);
-        picture.assert_alike(&expected, 2, 0.9995, |_| true, &scene.name);
+        picture.assert_alike(&expected, TOLERANCE, 0.9995, |_| true, &scene.name);
     }
 }
 

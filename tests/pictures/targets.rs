@@ -8,9 +8,7 @@ use crate::support::{
     props::{RED, at},
     scene::{Scene, Surface},
     stage::Stage,
-    studio::{
-        SHARE, Studio, TOLERANCE, build_plain, build_reference, build_with_mirrors, clear,
-    },
+    studio::{SHARE, Studio, TOLERANCE, build_plain, build_reference, build_with_mirrors, clear},
 };
 
 #[test]

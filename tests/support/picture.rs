@@ -64,13 +64,6 @@ impl Picture {
         self.pixels[(y * self.size.x + x) as usize]
     }
 
-    /// The pixel at a place given as a share of the width and the height, from the top left.
-    pub fn at_share(&self, x: f32, y: f32) -> [u8; 4] {
-        let place = (self.size.as_vec2() * bevy::math::vec2(x, y)).as_uvec2();
-        let place = place.min(self.size - 1);
-        self.at(place.x, place.y)
-    }
-
     /// Left and right exchanged.
     pub fn flipped(&self) -> Self {
         Self::from_fn(self.size, |x, y| self.at(self.size.x - 1 - x, y))

@@ -2,6 +2,7 @@
 
 use bevy::{
     asset::RenderAssetUsages,
+    diagnostic::FrameCount,
     image::{ImageSampler, TextureFormatPixelInfo},
     light::CascadeShadowConfigBuilder,
     prelude::*,
@@ -161,6 +162,11 @@ pub fn six_colors() -> Image {
         ..default()
     });
     image
+}
+
+/// Noise that changes from frame to frame stands still, and so does the picture.
+pub fn still_noise(app: &mut App) {
+    app.add_systems(First, |mut frames: ResMut<FrameCount>| frames.0 = 7);
 }
 
 /// Adds an asset to the world of an entity.

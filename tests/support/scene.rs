@@ -120,7 +120,7 @@ impl Scene {
     }
 
     /// An entity that is the same in all drawings.
-    pub fn prop(mut self, bundle: impl Bundle + Clone + Sync) -> Self {
+    pub fn prop(mut self, bundle: impl Bundle + Clone) -> Self {
         self.props.push(Arc::new(move |entity| {
             entity.insert(bundle.clone());
         }));
@@ -128,7 +128,7 @@ impl Scene {
     }
 
     /// A component for the camera.
-    pub fn with_camera(mut self, bundle: impl Bundle + Clone + Sync) -> Self {
+    pub fn with_camera(mut self, bundle: impl Bundle + Clone) -> Self {
         self.camera.push(Arc::new(move |entity| {
             entity.insert(bundle.clone());
         }));

@@ -3,7 +3,8 @@
 use std::{
     cell::RefCell,
     fmt,
-    sync::{Arc, Mutex, MutexGuard, Weak},
+    rc::{Rc, Weak},
+    sync::{Arc, Mutex, MutexGuard},
 };
 
 use bevy::{
@@ -45,7 +46,7 @@ const ROW_ALIGNMENT: u32 = 256;
 pub struct Stage {
     app: App,
     log: Vec<Line>,
-    _turn: Arc<Turn>,
+    _turn: Rc<Turn>,
 }
 
 /// Why there is no picture.
@@ -128,6 +129,10 @@ impl Stage {
         self.app.world_mut()
     }
 
+    #[allow(
+        dead_code,
+        reason = "the report asks whether it was interrupted, the tests do not"
+    )]
     pub fn app(&mut self) -> &mut App {
         &mut self.app
     }
@@ -346,7 +351,7 @@ fn decoder(format: TextureFormat) -> Option<fn(&[u8]) -> [u8; 4]> {
 fn half(bytes: [u8; 2]) -> f32 {
     let bits = u16::from_le_bytes(bytes);
     let (exponent, fraction) = (
-        i32::from(bits >> 10 & 0x1f),
+        i32::from((bits >> 10) & 0x1f),
         f32::from(bits & 0x3ff) / 1024.0,
     );
     let magnitude = match exponent {
@@ -391,7 +396,7 @@ struct Turn {
 }
 
 impl Turn {
-    fn take() -> Arc<Self> {
+    fn take() -> Rc<Self> {
         static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
         thread_local! {
             static MINE: RefCell<Weak<Turn>> = const { RefCell::new(Weak::new()) };
@@ -402,8 +407,8 @@ impl Turn {
                 let guard = ONE_AT_A_TIME
                     .lock()
                     .unwrap_or_else(|poisoned| poisoned.into_inner());
-                let turn = Arc::new(Turn { _guard: guard });
-                *mine = Arc::downgrade(&turn);
+                let turn = Rc::new(Turn { _guard: guard });
+                *mine = Rc::downgrade(&turn);
                 turn
             })
         })

@@ -415,7 +415,7 @@ fn silhouette(look: &Look) -> Look {
         return Color::BLACK.into();
     };
     let color = match material.alpha_mode {
-        AlphaMode::Opaque => Color::BLACK,
+        AlphaMode::Opaque if material.specular_transmission == 0.0 => Color::BLACK,
         AlphaMode::Mask(_) => Color::BLACK.with_alpha(material.base_color.alpha()),
         _ => Color::srgb(1.0, 0.0, 0.0),
     };

@@ -1,0 +1,7 @@
+//! The maths at the extremes: many random scenes, sweeps in the smallest steps, jumps.
+
+mod motion;
+mod plans;
+mod precision;
+mod tally;
+mod witness;

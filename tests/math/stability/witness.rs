@@ -1,0 +1,243 @@
+//! What a camera sees of a mirror, found without the code under test: in the mirror's own two
+//! coordinates, by trying every pair of the lines that bound what is seen.
+
+use bevy_planar_mirror::math::ViewInput;
+use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
+
+/// The rules for leaving a mirror out, as documented.
+pub const MIN_WIDTH_PX: f64 = 0.5;
+pub const MIN_EYE_STEPS: f64 = 4.0;
+pub const MAX_MARGIN: f64 = 0.25;
+pub const HALF_STEP: f64 = 1.0 / (1 << 24) as f64;
+
+/// A linear function of the mirror's coordinates `(1, u, v)`, positive inside.
+type Bound = DVec3;
+
+pub struct Witness {
+    pub is_orthographic: bool,
+    view_from_clip: DMat4,
+    /// The center of the mirror and the steps to two of its sides, in clip space.
+    frame: Option<[DVec4; 3]>,
+    /// The corners of what is seen, in clip space; of a mirror without bounds, the screen's.
+    pub seen: Vec<DVec4>,
+    /// How high the eye is.
+    pub height: f64,
+    /// `max (C.p)/w` over the corners, at the far end of their rays.
+    pub f_max: f64,
+}
+
+impl Witness {
+    pub fn of(input: &ViewInput) -> Self {
+        let w_row = input.clip_from_view.row(3);
+        let eye = input.world_from_view.translation;
+        let frame = input.corners.map(|corners| {
+            let [a, b, _, d] = corners.map(|corner| corner - eye);
+            let center = (a + corners[2] - eye) * 0.5;
+            let clip = |v: DVec3, w: f64| {
+                let view = input.world_from_view.matrix3.inverse() * v;
+                input.clip_from_view * view.extend(w)
+            };
+            [
+                clip(center, 1.0),
+                clip((b - a) * 0.5, 0.0),
+                clip((d - a) * 0.5, 0.0),
+            ]
+        });
+        let mut witness = Self {
+            is_orthographic: w_row.truncate() == DVec3::ZERO,
+            view_from_clip: input.clip_from_view.inverse(),
+            frame,
+            seen: match &frame {
+                None => [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+                    .map(|(x, y)| DVec4::new(x, y, 0.0, 1.0))
+                    .to_vec(),
+                Some(frame) => corners_seen(frame),
+            },
+            height: input.plane.normal.dot(eye - input.plane.origin),
+            f_max: 0.0,
+        };
+        let reaches = witness
+            .screen()
+            .into_iter()
+            .map(|p| witness.reach(input, p));
+        witness.f_max = reaches.fold(f64::NEG_INFINITY, f64::max);
+        witness
+    }
+
+    /// The corners of what is seen, from -1 to 1.
+    pub fn screen(&self) -> Vec<DVec2> {
+        self.seen
+            .iter()
+            .map(|v| v.truncate().truncate() / v.w)
+            .collect()
+    }
+
+    /// The far end of a ray in view space, per unit of clip `w`.
+    pub fn far_end(&self, ndc: DVec2) -> DVec4 {
+        self.view_from_clip * ndc.extend(0.0).extend(1.0)
+    }
+
+    /// `(C.p)/w` at the far end of a ray of the reflected camera: the distance of the real point,
+    /// whose component along the normal the reflection turned round.
+    pub fn reach(&self, input: &ViewInput, ndc: DVec2) -> f64 {
+        let end = self.far_end(ndc);
+        let along = input.world_from_view.matrix3 * end.truncate();
+        -input.plane.normal.dot(along) - self.height * end.w
+    }
+
+    /// How far the camera is on the front side, as a multiple of what it must be: its eye's height
+    /// in steps of `f32`, or for an orthographic camera the direction of its look.
+    pub fn front(&self, input: &ViewInput) -> f64 {
+        if self.is_orthographic {
+            let forward = input.world_from_view.matrix3 * DVec3::NEG_Z;
+            return 1.0 - input.plane.normal.dot(forward) / forward.length();
+        }
+        let (eye, origin) = (input.world_from_view.translation, input.plane.origin);
+        let largest = eye.abs().max(origin.abs()).max_element();
+        self.height / (MIN_EYE_STEPS * 2.0 * HALF_STEP * largest).max(f64::MIN_POSITIVE)
+    }
+
+    /// Looks for a point of the mirror that is well inside of the view: a grid over the mirror,
+    /// and the mirror under a grid of pixels.
+    pub fn finds_a_visible_point(&self, input: &ViewInput) -> bool {
+        const GRID: i32 = 8;
+        let steps = (-GRID..=GRID).map(|i| f64::from(i) / f64::from(GRID));
+        let mut grid = steps
+            .clone()
+            .flat_map(|a| steps.clone().map(move |b| DVec2::new(a, b)));
+        let Some([center, u, v]) = self.frame else {
+            return grid.any(|ndc| {
+                let largest = self.far_end(ndc).truncate().length();
+                self.reach(input, ndc) > 1e-12 * largest * lengths(input).1
+            });
+        };
+        let is_inside = |p: DVec4| {
+            let slack = 1e-9 * (center.abs() + u.abs() + v.abs()).max_element();
+            let inside = [p.w - p.z, p.z, p.w - p.x, p.w + p.x, p.w - p.y, p.w + p.y];
+            // Depth may be a constant below the slack, the near distance.
+            inside[1] >= 0.0 && inside.iter().enumerate().all(|(i, d)| i == 1 || *d > slack)
+        };
+        if grid
+            .clone()
+            .any(|at| is_inside(center + u * at.x + v * at.y))
+        {
+            return true;
+        }
+        // x - ndc w = 0 for x and y, solved for the mirror's coordinates.
+        grid.any(|ndc| {
+            let row = |p: DVec4| DVec2::new(p.x - ndc.x * p.w, p.y - ndc.y * p.w);
+            let (c, u2, v2) = (row(center), row(u), row(v));
+            let det = u2.perp_dot(v2);
+            let at = DVec2::new(-c.perp_dot(v2), c.perp_dot(u2)) / det;
+            at.abs().max_element() < 1.0 - 1e-9 && is_inside(center + u * at.x + v * at.y)
+        })
+    }
+
+    /// The width of the narrowest strip that holds what is seen, in pixels.
+    pub fn width_px(&self, viewport: DVec2) -> f64 {
+        let pixels: Vec<_> = self.screen().iter().map(|p| *p * viewport * 0.5).collect();
+        let mut least = f64::INFINITY;
+        for (index, a) in pixels.iter().enumerate() {
+            for b in &pixels[index + 1..] {
+                let Some(along) = (*b - *a).try_normalize() else {
+                    continue;
+                };
+                let across = pixels.iter().map(|p| along.perp_dot(*p - *a));
+                let (low, high) = across.fold((0.0_f64, 0.0_f64), |(low, high), d| {
+                    (low.min(d), high.max(d))
+                });
+                least = least.min(high - low);
+            }
+        }
+        if least.is_finite() { least } else { 0.0 }
+    }
+
+    /// The nearest point of the mirror in view; of one without bounds, of its plane.
+    pub fn w_min(&self) -> f64 {
+        if self.frame.is_some() {
+            self.seen.iter().map(|v| v.w).fold(f64::INFINITY, f64::min)
+        } else if self.is_orthographic {
+            1.0
+        } else {
+            self.height / (self.f_max + self.height * self.far_end(DVec2::ZERO).w)
+        }
+    }
+
+    /// The noise factor of `f32`, of a camera that is not stretched.
+    pub fn noise(&self, input: &ViewInput) -> f64 {
+        self.noise_between(input, 1.0, 1.0)
+    }
+
+    /// The same in units of the camera, whose axes are from `least` to `greatest` long.
+    pub fn noise_between(&self, input: &ViewInput, least: f64, greatest: f64) -> f64 {
+        let world = input.world_from_view.translation.length() + input.plane.origin.length();
+        let rays = self.screen().into_iter().map(|ndc| {
+            let end = self.far_end(ndc).truncate().length();
+            if self.is_orthographic {
+                let near = self.view_from_clip * ndc.extend(1.0).extend(1.0);
+                end.max((near.truncate() / near.w).length())
+            } else {
+                end
+            }
+        });
+        let ray = rays.fold(0.0, f64::max) * greatest / least;
+        let k = greatest / self.f_max;
+        if self.is_orthographic {
+            2.0 * (1.0 + 2.0 * k * (ray + world / least))
+        } else {
+            (1.0 + k) * (1.0 + 2.0 * (ray + world / (least * self.w_min())))
+        }
+    }
+}
+
+/// Whether a camera is neither scaled nor sheared.
+pub fn is_rigid(input: &ViewInput) -> bool {
+    let axes = input.world_from_view.matrix3;
+    (axes.transpose() * axes).abs_diff_eq(DMat3::IDENTITY, 1e-5)
+}
+
+/// How long a camera's axes are, at least and at most.
+pub fn lengths(input: &ViewInput) -> (f64, f64) {
+    let inverse = input.world_from_view.matrix3.inverse().transpose();
+    let longest = |axes: DMat3| {
+        let lengths = [axes.x_axis, axes.y_axis, axes.z_axis].map(DVec3::length);
+        lengths.into_iter().fold(0.0, f64::max)
+    };
+    (
+        1.0 / longest(inverse),
+        longest(input.world_from_view.matrix3),
+    )
+}
+
+fn corners_seen([center, u, v]: &[DVec4; 3]) -> Vec<DVec4> {
+    let of = |f: fn(DVec4) -> f64| Bound::new(f(*center), f(*u), f(*v));
+    let bounds: [Bound; 10] = [
+        Bound::new(1.0, 1.0, 0.0),
+        Bound::new(1.0, -1.0, 0.0),
+        Bound::new(1.0, 0.0, 1.0),
+        Bound::new(1.0, 0.0, -1.0),
+        of(|p| p.w - p.z),
+        of(|p| p.z),
+        of(|p| p.w - p.x),
+        of(|p| p.w + p.x),
+        of(|p| p.w - p.y),
+        of(|p| p.w + p.y),
+    ];
+    let mut seen = Vec::with_capacity(12);
+    for (i, a) in bounds.iter().enumerate() {
+        for b in &bounds[i + 1..] {
+            // Where both are 0, in homogeneous coordinates.
+            let at = a.cross(*b);
+            let at = at / at.x;
+            if !at.is_finite() {
+                continue;
+            }
+            let is_inside = |bound: &Bound| bound.dot(at) >= -1e-12 * bound.abs().dot(at.abs());
+            if bounds.iter().all(is_inside) {
+                seen.push(*center + *u * at.y + *v * at.z);
+            }
+        }
+    }
+    seen.retain(|p| p.w > 0.0);
+    seen
+}
