@@ -139,6 +139,11 @@
 //!   motion, is that of its surface and not of what is reflected.
 //! - Of what is not a mesh, a skybox or a phase item, as `Atmosphere` or volumetric fog, nothing
 //!   shows in a reflection.
+//! - The reflection has no depth prepass: forward decals, contact shadows and ambient occlusion are
+//!   left out of it, and a material that reads a prepass without asking for one fails to compile.
+//! - While something crosses the plane, an orthographic camera's reflection has its highlights in
+//!   the wrong place: the engine reads the direction of such a view from the depth row, which then
+//!   is the mirror's. [`MirrorClip::Whole`] avoids that, at the price of the cut.
 //! - At most 255 mirrors show in one camera; of more, the nearest.
 
 pub mod math;

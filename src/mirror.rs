@@ -15,8 +15,8 @@ use crate::status::MirrorStatus;
 /// A material on the same entity whose alpha mode blends lies over the reflection by its own
 /// formula; without a material, or with an opaque one, the mesh is a perfect mirror.
 ///
-/// Only the front of the plane reflects: the side from which the mesh's triangles wind
-/// counter-clockwise. What became of each mirror, for each camera, stands in [`MirrorStatus`].
+/// Only the front of the plane reflects: the side from which the triangles wind counter-clockwise
+/// in the mesh's own space, carried along by the transform. What became of each mirror, for each camera, stands in [`MirrorStatus`].
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -10,6 +10,7 @@ use bevy::{
     },
     ecs::prelude::*,
     light::cluster::ClusterVisibilityClass,
+    pbr::decal::ForwardDecal,
     transform::components::GlobalTransform,
 };
 use glam::{DMat4, DVec3, DVec4};
@@ -31,6 +32,8 @@ pub fn clip_reflected_views(
     objects: Query<Bounds>,
     // What the GPU alone culls is in no list here, and may be anywhere.
     uncounted: Query<(), With<NoCpuCulling>>,
+    // They are laid on what a depth prepass has drawn, and a reflected view has none.
+    decals: Query<(), With<ForwardDecal>>,
 ) {
     let ReflectedViews {
         decisions,
@@ -67,7 +70,7 @@ pub fn clip_reflected_views(
                 continue;
             }
             visible.retain(|&entity| match objects.get(entity) {
-                _ if entity == decision.mirror => false,
+                _ if entity == decision.mirror || decals.contains(entity) => false,
                 Ok(bounds) => seen.shows(bounds, planned, &rows),
                 Err(_) => true,
             });

@@ -416,7 +416,7 @@ fn a_mesh_with_a_pipeline_of_its_own_is_cut_at_the_plane() {
     let scene = own("own-through").object(
         Cuboid::from_length(0.6),
         look,
-        at(-0.1, 0.1, 0.1).with_rotation(Quat::from_rotation_x(0.4)),
+        at(-0.9, 0.8, 0.2).with_rotation(Quat::from_rotation_x(0.4)),
     );
     assert_reflects_what_is_added(&own("own"), &scene);
 }
@@ -440,6 +440,6 @@ fn a_mesh_with_a_pipeline_of_its_own_and_no_bounds_is_reflected() {
     let look = Look::other(|entity| {
         entity.insert((OwnPipeline, NoFrustumCulling));
     });
-    let scene = own("own-no-bounds").object(Cuboid::from_length(0.4), look, at(-0.2, 0.6, 0.4));
+    let scene = own("own-no-bounds").object(Cuboid::from_length(0.4), look, at(-0.6, 0.8, 0.8));
     assert_reflects_what_is_added(&own("own"), &scene);
 }
