@@ -5,6 +5,7 @@
 mod support;
 
 mod pictures {
+    mod bad_input;
     mod cameras;
     mod changes;
     mod company;
