@@ -114,7 +114,8 @@
 //! 3. What lies wholly behind the plane is dropped. If something crosses the plane, the view's near
 //!    plane is moved onto it ([`math::with_oblique_near_plane`]), which cuts it there.
 //! 4. Between the camera's opaque and transparent passes, the *mirror pass* draws the mesh into a
-//!    stencil where nothing stands before it, then the reflected view where that stencil is set.
+//!    stencil where nothing stands before it, then the reflected view where that stencil is set. The
+//!    stencil counts reflections, so that a mirror in a mirror is drawn the same way.
 //!    The pipelines are Bevy's own with a stencil test added and the front face turned around, as a
 //!    reflection turns the winding around.
 //! 5. The mirror's depth goes into the camera's, and the transparent pass draws the mirror's own
@@ -132,7 +133,8 @@
 //!
 //! # Limits
 //!
-//! - Mirrors do not show in mirrors as such: of a mirror in a mirror one sees its material, if any.
+//! - Of a mirror in a mirror one sees its material, if any, beyond
+//!   [`max_bounces`](PlanarMirrorPlugin::max_bounces), which is 1 by default.
 //! - A camera that renders deferred sees no mirrors, and the status says so.
 //! - The reflection is sharp: there is no roughness and no blur.
 //! - What screen-space effects and temporal filters read of a mirror's pixels, depth, normals and
@@ -144,8 +146,11 @@
 //! - While something crosses the plane, an orthographic camera's reflection has its highlights in
 //!   the wrong place: the engine reads the direction of such a view from the depth row, which then
 //!   is the mirror's. [`MirrorClip::Whole`] avoids that, at the price of the cut.
-//! - At most 255 mirrors show in one camera; of more, the nearest.
+//! - At most [`max_views`](PlanarMirrorPlugin::max_views) reflections show in one camera, by default
+//!   255; of more, those that cover most of the screen. Mirrors in one plane share one.
 
+#[cfg(feature = "debug")]
+mod debug;
 pub mod math;
 mod mirror;
 mod plugin;
@@ -153,13 +158,16 @@ mod render;
 pub mod status;
 mod view;
 
+#[cfg(feature = "debug")]
+pub use debug::MirrorGizmos;
 pub use mirror::{MirrorClip, MirrorPlane, NoMirrors, PlanarMirror};
 pub use plugin::{MirrorSystems, PlanarMirrorPlugin};
-pub use status::{MirrorState, MirrorStatus, NotDrawn};
+pub use status::{MirrorFigures, MirrorState, MirrorStatus, NotDrawn};
 
 /// What a game imports: `use bevy_planar_mirror::prelude::*;`.
 pub mod prelude {
     pub use crate::{
-        MirrorClip, MirrorPlane, MirrorStatus, NoMirrors, PlanarMirror, PlanarMirrorPlugin,
+        MirrorClip, MirrorFigures, MirrorPlane, MirrorStatus, NoMirrors, PlanarMirror,
+        PlanarMirrorPlugin,
     };
 }

@@ -6,6 +6,7 @@ mod support;
 
 mod pictures {
     mod bad_input;
+    mod bounces;
     mod cameras;
     mod changes;
     mod company;

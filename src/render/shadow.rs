@@ -119,7 +119,7 @@ pub fn prepare_mirror_shadows(
         .max()
         .unwrap_or(0);
     let mut own: Option<(Texture, TextureView)> = None;
-    for mirror in &mirrors.0 {
+    for mirror in &mirrors.views {
         let Ok((lights_of_view, mut binding)) = bindings.get_mut(mirror.view) else {
             continue;
         };
