@@ -87,6 +87,31 @@
 //! | a mirror that hides all behind it | that is what it does; a surface to see through is not done yet |
 //! | no reflection in one camera | [`NoMirrors`] on it, its `RenderLayers`, deferred rendering |
 //!
+//! # What it costs
+//!
+//! [`MirrorFigures`] lists the reflected views of a frame, with the pixels of the mirror and the
+//! objects drawn in it. How long the pass took is the span `planar_mirror_pass` of Bevy's render
+//! diagnostics. With the feature `debug` gizmos show the visible part of each mirror and the
+//! frustum behind it, in which objects are looked for.
+//!
+//! Directional shadows are most of the price of a lit reflection: [`MirrorShadows::Off`] spares
+//! them. Mirrors in one plane share a view, so that a floor of tiles costs as one mirror.
+//!
+//! # Mirrors in mirrors
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_planar_mirror::prelude::*;
+//! # let mut app = App::new();
+//! app.add_plugins(PlanarMirrorPlugin {
+//!     max_bounces: 4,
+//!     ..default()
+//! });
+//! ```
+//!
+//! Each mirror that is seen in a mirror then has a view of its own, narrowed to what is seen of it;
+//! where that is thinner than half a pixel it ends by itself.
+//!
 //! # Which camera sees which mirror
 //!
 //! Every active `Camera3d` sees every visible mirror on its `RenderLayers`, and what it sees in it
@@ -126,6 +151,7 @@
 //! | word | meaning |
 //! |---|---|
 //! | reflected view | the scene as seen by the camera's mirror image |
+//! | bounce | one of the reflections of a ray on its way to the camera |
 //! | front | the side of the plane that its normal points to, and that reflects |
 //! | mask | the pixels in which a mirror shows, as marked in the stencil |
 //! | plain projection | the camera's own; enough while nothing crosses the plane |
@@ -160,14 +186,14 @@ mod view;
 
 #[cfg(feature = "debug")]
 pub use debug::MirrorGizmos;
-pub use mirror::{MirrorClip, MirrorPlane, NoMirrors, PlanarMirror};
+pub use mirror::{MirrorClip, MirrorPlane, MirrorShadows, NoMirrors, PlanarMirror};
 pub use plugin::{MirrorSystems, PlanarMirrorPlugin};
 pub use status::{MirrorFigures, MirrorState, MirrorStatus, NotDrawn};
 
 /// What a game imports: `use bevy_planar_mirror::prelude::*;`.
 pub mod prelude {
     pub use crate::{
-        MirrorClip, MirrorFigures, MirrorPlane, MirrorStatus, NoMirrors, PlanarMirror,
-        PlanarMirrorPlugin,
+        MirrorClip, MirrorFigures, MirrorPlane, MirrorShadows, MirrorStatus, NoMirrors,
+        PlanarMirror, PlanarMirrorPlugin,
     };
 }

@@ -105,6 +105,7 @@ pub fn decide_reflected_views(
         |(entity, settings, transform, visible, mesh, layers, aabb)| MirrorInput {
             entity,
             clip: settings.clip,
+            shadows: settings.shadows,
             layers: layers.cloned().unwrap_or_default(),
             place: if !views.can_draw {
                 Err(NotDrawn::NoRenderer)

@@ -45,7 +45,7 @@ pub use shadow::{cascade_is_sampled, narrow_cascades};
 
 use crate::{
     math::{Plane, ReflectedViewPlan},
-    mirror::MirrorClip,
+    mirror::{MirrorClip, MirrorShadows},
     status::{NotDrawn, Projection},
 };
 
@@ -102,6 +102,7 @@ pub struct PlannedView {
     /// The lowest and the highest device coordinates of what is seen of the mirrors.
     pub ndc_bounds: (DVec2, DVec2),
     pub clip: MirrorClip,
+    pub shadows: MirrorShadows,
     /// Its entity; `None` if that could not be made.
     pub entity: Option<Entity>,
     /// Filled in once visibility is known.

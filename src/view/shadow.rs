@@ -17,7 +17,7 @@ use bevy::{
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use super::{DepthRange, PlannedView, ReflectedViews};
-use crate::math::BaseProjection;
+use crate::{math::BaseProjection, mirror::MirrorShadows};
 
 /// How far beside a point its shadow may be looked up, in texels: the offset along the normal and
 /// the widest fixed filter, twice over.
@@ -61,7 +61,9 @@ pub fn narrow_cascades(
                 continue;
             };
             for (index, (cascade, frustum)) in cascades.iter().zip(frusta).enumerate() {
-                if !cascade_is_sampled(config, index, planned.depths) {
+                if planned.shadows == MirrorShadows::Off
+                    || !cascade_is_sampled(config, index, planned.depths)
+                {
                     hold_nothing(frustum);
                 } else if filter_is_narrow
                     && let Some(seen) = seen_corners(planned, camera, config, index)

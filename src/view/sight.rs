@@ -12,7 +12,7 @@ use crate::{
         Opening, Plane, ReflectedViewPlan, Skip, ViewInput, is_in_plane, joint_corners,
         plan_reflected_view_within,
     },
-    mirror::MirrorClip,
+    mirror::{MirrorClip, MirrorShadows},
     status::{NotDrawn, Projection},
 };
 
@@ -20,6 +20,7 @@ use crate::{
 pub struct MirrorInput {
     pub entity: Entity,
     pub clip: MirrorClip,
+    pub shadows: MirrorShadows,
     pub layers: RenderLayers,
     /// Its plane and its corners in the world, as far as they are known.
     pub place: Result<(Plane, Option<[DVec3; 4]>), NotDrawn>,
@@ -54,10 +55,11 @@ struct SeenMirror {
     group: usize,
 }
 
-/// Mirrors in one plane.
+/// Mirrors in one plane that are drawn alike.
 struct Group {
     plane: Plane,
     clip: MirrorClip,
+    shadows: MirrorShadows,
     /// Mirrors without bounds are not joined with others.
     is_bounded: bool,
     /// What is seen of them.
@@ -81,7 +83,7 @@ impl Sight {
             match viewer.plan(input) {
                 Ok((plane, corners, plan)) => {
                     let pixels = plan.polygon.area_px(viewer.viewport_size());
-                    self.add(mirror, input.clip, plane, corners, plan, pixels);
+                    self.add(mirror, input, plane, corners, plan, pixels);
                 }
                 Err(reason) => tell(mirror, Err(reason)),
             }
@@ -119,7 +121,12 @@ impl Sight {
                 let first = surfaces.len();
                 surfaces.extend(members.iter().map(|seen| mirrors[seen.mirror].entity));
                 surfaces[first..].sort_unstable();
-                let Group { plane, clip, .. } = self.groups[group[0].group];
+                let Group {
+                    plane,
+                    clip,
+                    shadows,
+                    ..
+                } = self.groups[group[0].group];
                 let plan = joint.unwrap_or(members[0].plan);
                 planned.push(PlannedView {
                     camera: viewer.camera.entity,
@@ -131,6 +138,7 @@ impl Sight {
                     clip_from_view: plan.clip_from_view_oblique.as_mat4(),
                     plan,
                     clip,
+                    shadows,
                     entity: None,
                     projection: Projection::Oblique,
                     depths: DepthRange::EVERYTHING,
@@ -144,7 +152,7 @@ impl Sight {
     fn add(
         &mut self,
         mirror: usize,
-        clip: MirrorClip,
+        input: &MirrorInput,
         plane: Plane,
         corners: Option<[DVec3; 4]>,
         plan: ReflectedViewPlan,
@@ -153,7 +161,7 @@ impl Sight {
         let known = corners.and_then(|corners| {
             self.groups.iter().position(|group| {
                 group.is_bounded
-                    && group.clip == clip
+                    && (group.clip, group.shadows) == (input.clip, input.shadows)
                     && is_in_plane(&group.plane, &plane, &corners)
             })
         });
@@ -161,7 +169,8 @@ impl Sight {
         if known.is_none() {
             self.groups.push(Group {
                 plane,
-                clip,
+                clip: input.clip,
+                shadows: input.shadows,
                 is_bounded: corners.is_some(),
                 pixels: 0.0,
             });
