@@ -15,6 +15,7 @@ mod pictures {
     mod effects;
     mod extremes;
     mod foreign;
+    mod hard_cases;
     mod harness;
     mod idle;
     mod leftovers;

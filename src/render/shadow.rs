@@ -66,7 +66,8 @@ pub fn init_shadow_copy(mut commands: Commands, assets: Res<AssetServer>) {
         shader: load_embedded_asset!(assets.as_ref(), "shadow_copy.wgsl"),
         pipeline: None,
     });
-    commands.init_resource::<MirrorShadowMaps>();
+    // Also after a lost device, of which nothing may be left.
+    commands.insert_resource(MirrorShadowMaps::default());
 }
 
 impl ShadowCopy {
