@@ -141,8 +141,10 @@ pub fn plan_reflected_view(input: &ViewInput) -> Result<ReflectedViewPlan, Skip>
     } else {
         k_whole * eye_height
     });
-    let reach_of_world = eye.length() + plane.origin.length();
-    let noise = noise(&projection, polygon.ndc(), reach_of_world, w_min, k_whole);
+    let reflected = reflected_world_from_view(&plane, &world_from_view);
+    let around_eye = projection.around_eye(&world_from_view.matrix3, &view_from_world);
+    let eye_reach = reflected.translation.length();
+    let noise = noise(&around_eye, polygon.ndc(), eye_reach, w_min, k_whole);
     let margin = margin(noise);
     if margin.is_nan() || margin > MAX_MARGIN {
         return Err(Skip::BelowPrecision);
@@ -153,7 +155,7 @@ pub fn plan_reflected_view(input: &ViewInput) -> Result<ReflectedViewPlan, Skip>
     let k = oblique_k(&reach, margin).ok_or(Skip::DegenerateView)?;
     let row = fitted_depth_row(&projection.clip_from_view, plane_view, k, &reach, margin);
     let plan = ReflectedViewPlan {
-        world_from_view: reflected_world_from_view(&plane, &world_from_view),
+        world_from_view: reflected,
         plane_view,
         polygon,
         clip_from_view_oblique: with_depth_row(&projection.clip_from_view, row),

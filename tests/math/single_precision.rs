@@ -101,7 +101,7 @@ proptest! {
         let Some((near, w)) = visible_point(&input, &plan, weights, beyond) else {
             return Ok(());
         };
-        let apart = 4.0 * depth_error(plan.noise) * w * w / (plan.k * plan.eye_height);
+        let apart = 2.0 * depth_error(plan.noise) * w * w / (plan.k * plan.eye_height);
         prop_assume!(apart < 0.5 * w);
         let eye = plan.world_from_view.translation;
         let far = eye + (near - eye) * (1.0 + 1.1 * apart / w);

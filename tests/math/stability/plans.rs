@@ -5,7 +5,7 @@ use glam::{DMat3, DVec2};
 
 use super::{
     tally::{Broken, Tally, count, run},
-    witness::{HALF_STEP, MAX_MARGIN, MIN_WIDTH_PX, Witness, is_rigid, lengths},
+    witness::{HALF_STEP, MAX_MARGIN, MIN_WIDTH_PX, Witness, lengths},
 };
 use crate::extremes::{Extreme, KINDS};
 
@@ -90,9 +90,7 @@ fn is_justified(input: &ViewInput, skip: Skip, witness: &Witness) -> Result<(), 
             Tally::law("it is thin", is_thin, || format!("{width} px wide"))
         }
         Skip::BelowPrecision => {
-            let (least, greatest) = lengths(input);
-            let stretched = witness.noise_between(input, least, greatest);
-            let margin = 2.0 * HALF_STEP * witness.noise(input).max(stretched);
+            let margin = 2.0 * HALF_STEP * witness.noise(input);
             let is_lost = margin > MAX_MARGIN * (1.0 - 1e-3);
             Tally::law("the plane is lost in noise", is_lost, || {
                 format!("margin {margin}")
@@ -144,10 +142,8 @@ fn is_worth_drawing(
     }
     let w_min = witness.w_min();
     tally.bound("least w", (plan.w_min - w_min).abs(), 10.0 * CLOSE * w_min)?;
-    if is_rigid(input) {
-        let noise = witness.noise(input);
-        tally.bound("noise factor", (plan.noise - noise).abs(), CLOSE * noise)?;
-    }
+    let noise = witness.noise(input);
+    tally.bound("noise factor", (plan.noise - noise).abs(), CLOSE * noise)?;
 
     // k h = w_min, but for the margin, the guard of the rasterizer and a far end that is not at infinity.
     if !witness.is_orthographic {

@@ -2,7 +2,7 @@
 //! coordinates, by trying every pair of the lines that bound what is seen.
 
 use bevy_planar_mirror::math::ViewInput;
-use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
+use glam::{DMat3, DMat4, DVec2, DVec3, DVec4, Vec3Swizzles};
 
 /// The rules for leaving a mirror out, as documented.
 pub const MIN_WIDTH_PX: f64 = 0.5;
@@ -163,30 +163,34 @@ impl Witness {
         }
     }
 
-    /// The noise factor of `f32`, of a camera that is not stretched.
+    /// The noise factor of `f32`: for each ray the sum of all that is rounded on the way.
     pub fn noise(&self, input: &ViewInput) -> f64 {
-        self.noise_between(input, 1.0, 1.0)
-    }
-
-    /// The same in units of the camera, whose axes are from `least` to `greatest` long.
-    pub fn noise_between(&self, input: &ViewInput, least: f64, greatest: f64) -> f64 {
-        let world = input.world_from_view.translation.length() + input.plane.origin.length();
+        let axes = input.world_from_view.matrix3;
+        let eye = input.world_from_view.translation;
+        let eye = (eye - input.plane.normal * (2.0 * self.height)).length();
+        let w_min = self.w_min();
         let rays = self.screen().into_iter().map(|ndc| {
-            let end = self.far_end(ndc).truncate().length();
+            let far = self.far_end(ndc);
             if self.is_orthographic {
                 let near = self.view_from_clip * ndc.extend(1.0).extend(1.0);
-                end.max((near.truncate() / near.w).length())
+                [far, near]
+                    .map(|end| (axes * (end.truncate() / end.w)).length())
+                    .into_iter()
+                    .fold(0.0, f64::max)
             } else {
-                end
+                (axes * far.truncate()).length()
             }
         });
-        let ray = rays.fold(0.0, f64::max) * greatest / least;
-        let k = greatest / self.f_max;
+        let ray = rays.fold(0.0, f64::max);
+        let k = 1.0 / self.f_max;
         if self.is_orthographic {
-            2.0 * (1.0 + 2.0 * k * (ray + world / least))
-        } else {
-            (1.0 + k) * (1.0 + 2.0 * (ray + world / (least * self.w_min())))
+            return 2.0 + 4.0 * k * (ray + 2.0 * eye);
         }
+        // By how much w grows along each axis of the world.
+        let w_row = input.clip_from_view.row(3).truncate();
+        let w = (axes.transpose().inverse() * w_row).length();
+        let coordinates = 2.0 * ray + 4.0 * eye / w_min;
+        (w + k) / w + (w + k) * coordinates
     }
 }
 
@@ -227,12 +231,16 @@ fn corners_seen([center, u, v]: &[DVec4; 3]) -> Vec<DVec4> {
     for (i, a) in bounds.iter().enumerate() {
         for b in &bounds[i + 1..] {
             // Where both are 0, in homogeneous coordinates.
-            let at = a.cross(*b);
-            let at = at / at.x;
+            let cross = a.cross(*b);
+            let at = cross / cross.x;
             if !at.is_finite() {
                 continue;
             }
-            let is_inside = |bound: &Bound| bound.dot(at) >= -1e-12 * bound.abs().dot(at.abs());
+            // Almost parallel bounds leave less of it.
+            let (a, b) = (a.abs(), b.abs());
+            let terms = a.yzx() * b.zxy() + a.zxy() * b.yzx();
+            let doubt = 1e-12 * at.abs() + 1e-14 * terms / cross.x.abs();
+            let is_inside = |bound: &Bound| bound.dot(at) >= -bound.abs().dot(doubt);
             if bounds.iter().all(is_inside) {
                 seen.push(*center + *u * at.y + *v * at.z);
             }
