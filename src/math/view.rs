@@ -74,7 +74,8 @@ pub struct ReflectedViewPlan {
     pub noise: f64,
     /// How high the eye is over the plane, in world units.
     pub eye_height: f64,
-    /// The smallest clip `w` of the visible part: its least view depth for a perspective.
+    /// The smallest clip `w` of the visible part, of a mirror without bounds that of its plane in
+    /// the view: the least view depth for a perspective.
     pub w_min: f64,
     /// The size of a pixel in world units where clip `w` is 1.
     pub pixel_size: f64,
@@ -135,12 +136,10 @@ pub fn plan_reflected_view(input: &ViewInput) -> Result<ReflectedViewPlan, Skip>
         return Err(Skip::TooThin);
     }
 
-    // k h = w_min: of a mirror without bounds, the nearest point of the plane in view.
-    let w_min = polygon.w_min().unwrap_or(if projection.is_orthographic {
-        projection.clip_from_view.w_axis.w
-    } else {
-        k_whole * eye_height
-    });
+    let plane_clip = projection.clip_covector(plane_view);
+    let w_min = polygon
+        .w_min()
+        .unwrap_or_else(|| nearest_w(&projection, plane_clip, reach.f_max));
     let reflected = reflected_world_from_view(&plane, &world_from_view);
     let around_eye = projection.around_eye(&world_from_view.matrix3, &view_from_world);
     let eye_reach = reflected.translation.length();
@@ -150,7 +149,6 @@ pub fn plan_reflected_view(input: &ViewInput) -> Result<ReflectedViewPlan, Skip>
         return Err(Skip::BelowPrecision);
     }
 
-    let plane_clip = projection.clip_covector(plane_view);
     let reach = reach.widened(raster_guard(plane_clip, viewport_size, input.jitter_px));
     let k = oblique_k(&reach, margin).ok_or(Skip::DegenerateView)?;
     let row = fitted_depth_row(&projection.clip_from_view, plane_view, k, &reach, margin);
@@ -211,6 +209,19 @@ fn is_seen_from_front(
             .max(plane.origin.abs().max_element());
         plane.signed_distance(eye) > MIN_EYE_STEPS * f64::from(f32::EPSILON) * largest
     }
+}
+
+/// The least clip `w` of a plane without bounds in the view, given its greatest `(C.p)/w` at
+/// depth 0, `f_max`.
+///
+/// `(C.p)/w = C^x x + C^y y + C^z z + C^w` is 0 on the plane, which thus has its greatest depth
+/// `z = f_max / -C^z` in a corner of the screen, unless the near plane, `z = 1`, cuts it before.
+/// `1/w` is the last row of the inverse projection times `(x, y, z, 1)`: it grows with `z`, and in
+/// every common projection with nothing else. In others this is a lower bound.
+fn nearest_w(projection: &BaseProjection, plane_clip: DVec4, f_max: f64) -> f64 {
+    let depth = (f_max / -plane_clip.z).min(1.0);
+    let per_w = projection.view_from_clip.row(3);
+    1.0 / (per_w.x.abs() + per_w.y.abs() + per_w.z * depth + per_w.w)
 }
 
 /// The size of a pixel in world units where clip `w` is 1, along the finer of the two axes.

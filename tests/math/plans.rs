@@ -159,6 +159,31 @@ fn without_bounds_the_whole_view_is_the_region() {
 }
 
 #[test]
+fn without_bounds_the_plane_begins_where_it_enters_the_view() {
+    let unbounded = |input| ViewInput {
+        corners: None,
+        ..input
+    };
+    // Straight at the plane, which is 3 away, and the far plane 15.
+    let mut input = unbounded(square_on(DVec3::Z * 3.0));
+    let (near, far) = (0.1, 15.0);
+    input.clip_from_view.z_axis.z = near / (far - near);
+    input.clip_from_view.w_axis.z = near * far / (far - near);
+    let w_min = plan_reflected_view(&input).expect("seen").w_min;
+    assert!((w_min - 3.0).abs() < 1e-12, "{w_min}");
+
+    // Along a floor that is 5 below: it enters the view through its lower edge, at 45 degrees; a
+    // near plane that is farther away than that cuts it first.
+    let level = DQuat::from_rotation_arc(DVec3::NEG_Z, DVec3::Y);
+    for (near, expected) in [(0.1, 5.0), (7.0, 7.0)] {
+        let mut input = unbounded(turned(square_on(DVec3::Z * 5.0), level));
+        input.clip_from_view.w_axis.z = near;
+        let w_min = plan_reflected_view(&input).expect("seen").w_min;
+        assert!((w_min - expected).abs() < 1e-12, "{w_min} {expected}");
+    }
+}
+
+#[test]
 fn scaled_cameras_measure_in_world_units() {
     let mut input = square_on(DVec3::Z * 5.0);
     input.world_from_view.matrix3 = DMat3::from_diagonal(DVec3::splat(2.0));

@@ -137,16 +137,13 @@ fn is_worth_drawing(
     let width = witness.width_px(input.viewport_size);
     let is_wide = width >= MIN_WIDTH_PX * (1.0 - CLOSE) - CLOSE;
     Tally::law("it is wide enough", is_wide, || format!("{width} px wide"))?;
-    if input.corners.is_none() {
-        return Ok(());
-    }
     let w_min = witness.w_min();
     tally.bound("least w", (plan.w_min - w_min).abs(), 10.0 * CLOSE * w_min)?;
     let noise = witness.noise(input);
     tally.bound("noise factor", (plan.noise - noise).abs(), CLOSE * noise)?;
 
     // k h = w_min, but for the margin, the guard of the rasterizer and a far end that is not at infinity.
-    if !witness.is_orthographic {
+    if !witness.is_orthographic && input.corners.is_some() {
         let guard = guard(input, witness);
         let fitted = (1.0 - plan.margin) / plan.k - guard;
         let far = witness.far_end(DVec2::ZERO).w;

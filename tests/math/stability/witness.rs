@@ -152,14 +152,17 @@ impl Witness {
         if least.is_finite() { least } else { 0.0 }
     }
 
-    /// The nearest point of the mirror in view; of one without bounds, of its plane.
+    /// The nearest point of the mirror in view; of one without bounds, of its plane: where a ray
+    /// through a corner of the screen meets it, or at the near plane.
     pub fn w_min(&self) -> f64 {
         if self.frame.is_some() {
             self.seen.iter().map(|v| v.w).fold(f64::INFINITY, f64::min)
         } else if self.is_orthographic {
             1.0
         } else {
-            self.height / (self.f_max + self.height * self.far_end(DVec2::ZERO).w)
+            let near = self.view_from_clip * DVec4::new(0.0, 0.0, 1.0, 1.0);
+            let at_corner = self.height / (self.f_max + self.height * self.far_end(DVec2::ZERO).w);
+            at_corner.max(1.0 / near.w)
         }
     }
 
