@@ -77,22 +77,25 @@ pub struct ReflectedViewPlan {
     /// The smallest clip `w` of the visible part, of a mirror without bounds that of its plane in
     /// the view: the least view depth for a perspective.
     pub w_min: f64,
-    /// The size of a pixel in world units where clip `w` is 1.
-    pub pixel_size: f64,
+    /// How large may be what shows no larger than a quarter of a pixel where clip `w` is 1, in
+    /// world units.
+    pub ghost_size: f64,
 }
 
 impl ReflectedViewPlan {
     /// How far an object may reach behind the plane before it must be cut, in world units.
     ///
     /// `w` is the clip `w` of the object's nearest point: the view depth for a perspective, 1 for
-    /// an orthographic camera. A quarter of a pixel there, and never less than what the cut
-    /// itself could resolve. So what stands on a floor mirror does not need a cut.
+    /// an orthographic camera. Nothing of that size shows larger than a quarter of a pixel there,
+    /// anywhere in the visible part; but never less than what the cut itself could resolve. So
+    /// what stands on a floor mirror does not need a cut.
     pub fn ghost_tolerance(&self, w: f64) -> f64 {
-        let at =
-            |w: f64| (GHOST_PX * self.pixel_size * w).max(clip_plane_error(self.noise, self.k, w));
+        let at = |w: f64| (self.ghost_size * w).max(clip_plane_error(self.noise, self.k, w));
         // Behind the plane by d, an object shows only at depths from (1 - d/h) w_min on, so a
-        // large object that begins beside the eye need not be held to the depth where it begins.
-        let beyond_eye = at(self.w_min).min(0.5 * self.eye_height.max(0.0));
+        // large object that begins beside the eye need not be held to the depth where it begins:
+        // d = at((1 - d/h) w_min), solved for d.
+        let (at_mirror, height) = (at(self.w_min), self.eye_height.max(0.0));
+        let beyond_eye = at_mirror * height / (at_mirror + height);
         at(w.max(0.0)).max(beyond_eye)
     }
 }
@@ -162,7 +165,7 @@ pub fn plan_reflected_view(input: &ViewInput) -> Result<ReflectedViewPlan, Skip>
         noise,
         eye_height,
         w_min,
-        pixel_size: pixel_size(&projection, &view_from_world, viewport_size),
+        ghost_size: ghost_size(&around_eye, polygon.ndc(), viewport_size),
     };
     is_usable(&plan).then_some(plan).ok_or(Skip::DegenerateView)
 }
@@ -224,17 +227,30 @@ fn nearest_w(projection: &BaseProjection, plane_clip: DVec4, f_max: f64) -> f64 
     1.0 / (per_w.x.abs() + per_w.y.abs() + per_w.z * depth + per_w.w)
 }
 
-/// The size of a pixel in world units where clip `w` is 1, along the finer of the two axes.
-fn pixel_size(projection: &BaseProjection, view_from_world: &DMat3, viewport_size: DVec2) -> f64 {
-    let w = projection.clip_from_view.row(3).truncate();
-    // Across the line of sight: an off-center projection leans.
-    let across = |row: DVec3| row - w * (row.dot(w) / w.length_squared().max(f64::MIN_POSITIVE));
-    let per_unit = |row: usize| {
-        let view = across(projection.clip_from_view.row(row).truncate());
-        (view_from_world.transpose() * view).length()
-    };
-    let px_per_unit = DVec2::new(per_unit(0), per_unit(1)) * viewport_size * 0.5;
-    1.0 / px_per_unit.max_element()
+/// How large may be what shows no larger than [`GHOST_PX`] where clip `w` is 1, in any direction.
+///
+/// With the rows `x`, `y`, `w` of the projection around the eye, two points that are `d` apart,
+/// the one at `ndc` and the other at clip `w`, are `d.(x - ndc w) / w` apart on the screen. The
+/// second term is depth, which moves a point the more the farther it is from the center. The length
+/// is convex in `ndc`, so it is greatest at a vertex; and `w` of the two points differs by at most
+/// `d.w`, which the last term is for.
+fn ghost_size(
+    around_eye: &BaseProjection,
+    ndc: impl Iterator<Item = DVec2>,
+    viewport_size: DVec2,
+) -> f64 {
+    let [x, y, w] = [0, 1, 3].map(|row| around_eye.clip_from_view.row(row).truncate());
+    let pixels = viewport_size * 0.5;
+    let px_per_unit = ndc
+        .map(|p| largest_image((x - w * p.x) * pixels.x, (y - w * p.y) * pixels.y))
+        .fold(0.0, f64::max);
+    GHOST_PX / (px_per_unit + GHOST_PX * w.length())
+}
+
+/// The greatest length of `(x.d, y.d)` over the unit vectors `d`.
+fn largest_image(x: DVec3, y: DVec3) -> f64 {
+    let (a, b) = (x.length_squared(), y.length_squared());
+    (0.5 * (a + b) + (0.5 * (a - b)).hypot(x.dot(y))).sqrt()
 }
 
 /// Whether everything is finite, also after rounding to `f32`.
@@ -242,7 +258,7 @@ fn is_usable(plan: &ReflectedViewPlan) -> bool {
     plan.clip_from_view_oblique.as_mat4().is_finite()
         && plan.world_from_view.as_affine3a().is_finite()
         && plan.plane_view.is_finite()
-        && [plan.k, plan.w_min, plan.pixel_size, plan.noise]
+        && [plan.k, plan.w_min, plan.ghost_size, plan.noise]
             .iter()
             .all(|value| value.is_finite() && *value > 0.0)
 }

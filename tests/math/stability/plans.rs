@@ -108,7 +108,7 @@ fn is_sound(input: &ViewInput, plan: &ReflectedViewPlan, tally: &mut Tally) -> R
             .vertices()
             .iter()
             .all(|v| v.as_vec4().is_finite())
-        && [plan.k, plan.w_min, plan.noise, plan.pixel_size, plan.margin]
+        && [plan.k, plan.w_min, plan.noise, plan.ghost_size, plan.margin]
             .iter()
             .all(|value| (*value as f32).is_finite() && *value as f32 > 0.0);
     Tally::law("all is finite in f32", finite, || format!("{plan:?}"))?;
