@@ -25,7 +25,8 @@ const STEP: f64 = f32::EPSILON as f64;
 /// Depth that always stays free at the far side.
 const MIN_MARGIN: f64 = 1.0 / (1 << 20) as f64;
 
-/// With a larger [`margin`] than this the plane is lost in the rounding of the vertices.
+/// With a larger [`margin`] than this the plane is lost in the rounding of the vertices: no mirror
+/// is drawn anew.
 pub const MAX_MARGIN: f64 = 0.25;
 
 /// The noise factor `N` of a region of the screen with vertices `ndc`.

@@ -14,12 +14,37 @@ use super::{
     reflection::reflected_world_from_view,
 };
 
-/// A mirror seen thinner than this, in pixels, is not drawn.
-const MIN_WIDTH_PX: f64 = 0.5;
 /// An object may reach this far behind the plane, in pixels, before it must be cut.
 const GHOST_PX: f64 = 0.25;
-/// The eye must be higher over the plane than this many `f32` steps of the coordinates.
-const MIN_EYE_STEPS: f64 = 4.0;
+/// An object that was cut in the last frame is cut until it reaches less than this share of that.
+const STILL_CUT: f64 = 0.5;
+
+/// What it takes to draw a mirror.
+///
+/// A pose rounded to `f32` trembles, and what is computed from it trembles with it. So a mirror
+/// that was drawn stays until it is well beyond the limits at which it came.
+struct Limits {
+    /// It must be at least so wide, in pixels.
+    width_px: f64,
+    /// The eye must be higher over the plane than so many `f32` steps of the coordinates, and an
+    /// orthographic camera look down at it at more than so many steps of 1.
+    steps: f64,
+    /// Noise may take so large a share of depth.
+    margin: f64,
+}
+
+impl Limits {
+    const NEW: Self = Self {
+        width_px: 0.5,
+        steps: 4.0,
+        margin: MAX_MARGIN,
+    };
+    const KEPT: Self = Self {
+        width_px: 0.25,
+        steps: 2.0,
+        margin: 1.5 * MAX_MARGIN,
+    };
+}
 
 /// What the plan depends on. Widen `f32` values; all are in world space unless they say otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +62,9 @@ pub struct ViewInput {
     /// By how many pixels the projection may be shifted later: half a pixel for temporal
     /// anti-aliasing, else 0.
     pub jitter_px: f64,
+    /// Whether the mirror was drawn for this camera in the last frame. It then takes more to leave
+    /// it out, so that it does not flicker on the way.
+    pub was_drawn: bool,
 }
 
 /// Why a mirror is not drawn for a camera.
@@ -49,7 +77,7 @@ pub enum Skip {
     EyeBehind,
     /// No part of the mirror is in the view.
     OutOfView,
-    /// The visible part is thinner than half a pixel.
+    /// The visible part is thinner than half a pixel; of a mirror that was drawn, than a quarter.
     TooThin,
     /// The plane is lost in the rounding of the vertices, for instance far from the origin.
     BelowPrecision,
@@ -89,14 +117,22 @@ impl ReflectedViewPlan {
     /// an orthographic camera. Nothing of that size shows larger than a quarter of a pixel there,
     /// anywhere in the visible part; but never less than what the cut itself could resolve. So
     /// what stands on a floor mirror does not need a cut.
-    pub fn ghost_tolerance(&self, w: f64) -> f64 {
+    ///
+    /// `was_cut` says whether the view was cut in the last frame: then half of that, so that
+    /// what trembles about the limit is not cut in every other frame.
+    pub fn ghost_tolerance(&self, w: f64, was_cut: bool) -> f64 {
         let at = |w: f64| (self.ghost_size * w).max(clip_plane_error(self.noise, self.k, w));
         // Behind the plane by d, an object shows only at depths from (1 - d/h) w_min on, so a
         // large object that begins beside the eye need not be held to the depth where it begins:
         // d = at((1 - d/h) w_min), solved for d.
         let (at_mirror, height) = (at(self.w_min), self.eye_height.max(0.0));
         let beyond_eye = at_mirror * height / (at_mirror + height);
-        at(w.max(0.0)).max(beyond_eye)
+        let tolerance = at(w.max(0.0)).max(beyond_eye);
+        if was_cut {
+            STILL_CUT * tolerance
+        } else {
+            tolerance
+        }
     }
 }
 
@@ -112,13 +148,18 @@ pub fn plan_reflected_view(input: &ViewInput) -> Result<ReflectedViewPlan, Skip>
         viewport_size,
         ..
     } = *input;
+    let limits = if input.was_drawn {
+        Limits::KEPT
+    } else {
+        Limits::NEW
+    };
     let projection = checked_projection(input)?;
     let view_from_world = checked_inverse(&world_from_view)?;
 
     let eye = world_from_view.translation;
     let eye_height = plane.signed_distance(eye);
     let plane_view = plane_in_reflected_view(&plane, &world_from_view);
-    if !is_seen_from_front(&projection, eye, &plane, plane_view) {
+    if !is_seen_from_front(&projection, &world_from_view, &plane, limits.steps) {
         return Err(Skip::EyeBehind);
     }
 
@@ -135,7 +176,7 @@ pub fn plan_reflected_view(input: &ViewInput) -> Result<ReflectedViewPlan, Skip>
     let reach = plane_reach(&projection, plane_view, polygon.ndc());
     let k_whole = oblique_k(&reach, 0.0).ok_or(Skip::OutOfView)?;
     let width = polygon.min_width_px(viewport_size);
-    if width.is_nan() || width < MIN_WIDTH_PX {
+    if width.is_nan() || width < limits.width_px {
         return Err(Skip::TooThin);
     }
 
@@ -148,7 +189,7 @@ pub fn plan_reflected_view(input: &ViewInput) -> Result<ReflectedViewPlan, Skip>
     let eye_reach = reflected.translation.length();
     let noise = noise(&around_eye, polygon.ndc(), eye_reach, w_min, k_whole);
     let margin = margin(noise);
-    if margin.is_nan() || margin > MAX_MARGIN {
+    if margin.is_nan() || margin > limits.margin {
         return Err(Skip::BelowPrecision);
     }
 
@@ -199,18 +240,21 @@ fn checked_inverse(world_from_view: &DAffine3) -> Result<DMat3, Skip> {
 /// A perspective must have its eye in front, an orthographic camera must look at the front.
 fn is_seen_from_front(
     projection: &BaseProjection,
-    eye: DVec3,
+    world_from_view: &DAffine3,
     plane: &Plane,
-    plane_view: DVec4,
+    steps: f64,
 ) -> bool {
+    let step = f64::from(f32::EPSILON);
     if projection.is_orthographic {
-        -plane_view.z > 0.0
+        let backward = world_from_view.matrix3.z_axis;
+        plane.normal.dot(backward) > steps * step * backward.length()
     } else {
+        let eye = world_from_view.translation;
         let largest = eye
             .abs()
             .max_element()
             .max(plane.origin.abs().max_element());
-        plane.signed_distance(eye) > MIN_EYE_STEPS * f64::from(f32::EPSILON) * largest
+        plane.signed_distance(eye) > steps * step * largest
     }
 }
 

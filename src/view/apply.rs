@@ -114,6 +114,7 @@ fn spawn_view(world: &mut World, camera: Entity, mirror: Entity) -> Entity {
             clip_from_view: Default::default(),
             clip_unbounded: None,
             ndc_bounds: Default::default(),
+            crossed: false,
             depths: DepthRange::EVERYTHING,
         },
         Camera3d::default(),

@@ -57,6 +57,7 @@ pub fn clip_reflected_views(
             view_depth: -view_from_world.row(2),
         };
         let mut seen = Seen {
+            was_cut: reflected.crossed,
             crossed: !uncounted.is_empty(),
             depths: if uncounted.is_empty() {
                 DepthRange::NOTHING
@@ -89,6 +90,7 @@ pub fn clip_reflected_views(
             Projection::Oblique => planned.plan.clip_from_view_oblique.as_mat4(),
         };
         reflected.ndc_bounds = (low.as_vec2(), high.as_vec2());
+        reflected.crossed = seen.crossed;
         reflected.depths = seen.depths;
     }
 }
@@ -103,6 +105,8 @@ struct DepthRows {
 
 /// What is known of all that a reflected view shows.
 struct Seen {
+    /// In the last frame, when something crossed the plane.
+    was_cut: bool,
     crossed: bool,
     depths: DepthRange,
 }
@@ -127,7 +131,7 @@ impl Seen {
         let (nearest, _) = bounds.range(rows.clip_w);
         let side = classify(
             signed_distance_range(&planned.plane, bounds.center, bounds.half_axes),
-            planned.plan.ghost_tolerance(nearest.max(0.0)),
+            planned.plan.ghost_tolerance(nearest, self.was_cut),
         );
         if side == Side::Behind {
             return false;

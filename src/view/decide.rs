@@ -99,7 +99,8 @@ pub fn decide_reflected_views(
             } else if !camera.layers.intersects(layers) {
                 Err(NotDrawn::OtherLayers)
             } else {
-                plan(camera, &patch).map(|(plane, plan)| PlannedView {
+                let was_drawn = views.entities.contains_key(&(camera.entity, mirror));
+                plan(camera, &patch, was_drawn).map(|(plane, plan)| PlannedView {
                     plane,
                     plan,
                     clip: settings.clip,
@@ -165,6 +166,7 @@ fn mirror_patch(
 fn plan(
     camera: &CameraInput,
     patch: &Result<(Plane, Option<[DVec3; 4]>), NotDrawn>,
+    was_drawn: bool,
 ) -> Result<(Plane, crate::math::ReflectedViewPlan), NotDrawn> {
     let (plane, corners) = (*patch)?;
     let (world_from_view, clip_from_view, viewport_size) = camera.view?;
@@ -175,6 +177,7 @@ fn plan(
         plane,
         corners,
         jitter_px: camera.jitter_px,
+        was_drawn,
     })
     .map(|plan| (plane, plan))
     .map_err(|skip| match skip {

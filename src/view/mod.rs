@@ -128,6 +128,8 @@ pub struct ReflectedView {
     pub clip_unbounded: Option<Mat4>,
     /// The lowest and the highest device coordinates of what is seen of the mirror.
     pub ndc_bounds: (Vec2, Vec2),
+    /// Whether something crosses the mirror's plane, so that it must be cut there.
+    pub crossed: bool,
     /// Of everything that is visible in it.
     pub depths: DepthRange,
 }

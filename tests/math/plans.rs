@@ -22,6 +22,7 @@ fn square_on(eye: DVec3) -> ViewInput {
         plane,
         corners,
         jitter_px: 0.0,
+        was_drawn: false,
     }
 }
 
@@ -127,7 +128,7 @@ fn orthographic_is_cut_too_and_needs_no_eye_in_front() {
     behind.clip_from_view.w_axis.z = 0.9;
     let plan = plan_reflected_view(&behind).expect("seen");
     assert!(
-        plan.eye_height < 0.0 && plan.ghost_tolerance(1.0) > 0.0,
+        plan.eye_height < 0.0 && plan.ghost_tolerance(1.0, false) > 0.0,
         "{plan:?}"
     );
 
@@ -194,7 +195,7 @@ fn scaled_cameras_measure_in_world_units() {
     let unscaled = plan_reflected_view(&square_on(DVec3::Z * 5.0)).expect("seen");
     // The same size at the same distance, of which w is half.
     let [scaled, unscaled] =
-        [(plan, 2.5), (unscaled, 5.0)].map(|(plan, w)| plan.ghost_tolerance(w));
+        [(plan, 2.5), (unscaled, 5.0)].map(|(plan, w)| plan.ghost_tolerance(w, false));
     assert!((scaled - unscaled).abs() < 1e-15, "{scaled} {unscaled}");
 }
 
@@ -239,12 +240,12 @@ fn what_stands_on_a_floor_does_not_straddle() {
     let plan = plan_reflected_view(&square_on(DVec3::Z * 5.0)).expect("seen");
     // A quarter of a pixel of 2/1000 of the depth; the mirror's corner is a fifth of it to the
     // side and up, where depth counts as well.
-    let at_mirror = plan.ghost_tolerance(5.0);
+    let at_mirror = plan.ghost_tolerance(5.0, false);
     let expected = 0.0025 / 1.08_f64.sqrt();
     assert!((at_mirror / expected - 1.0).abs() < 1e-3, "{at_mirror}");
-    let around_the_eye = plan.ghost_tolerance(0.0);
+    let around_the_eye = plan.ghost_tolerance(0.0, false);
     assert!(around_the_eye < at_mirror && around_the_eye > 0.999 * at_mirror);
-    assert!(plan.ghost_tolerance(10.0) > at_mirror);
+    assert!(plan.ghost_tolerance(10.0, false) > at_mirror);
     assert_eq!(classify((-0.002, 1.0), at_mirror), Side::InFront);
     assert_eq!(classify((-0.003, 1.0), at_mirror), Side::Straddling);
     assert_eq!(classify((-1.0, 0.001), at_mirror), Side::Behind);

@@ -174,7 +174,7 @@ fn assert_usable(input: &ViewInput) {
     assert!(plan.world_from_view.as_affine3a().is_finite(), "{plan:?}");
     assert!(plan.margin >= 0.0 && plan.margin <= MAX_MARGIN, "{plan:?}");
     assert!(plan.polygon.ndc().all(|p| p.is_finite()), "{plan:?}");
-    assert!(plan.ghost_tolerance(1.0) >= 0.0, "{plan:?}");
+    assert!(plan.ghost_tolerance(1.0, false) >= 0.0, "{plan:?}");
     let sides = narrowed_sides(&plan.polygon, &input.clip_from_view, input.viewport_size);
     assert!(
         sides.iter().all(|side| side.is_finite()),

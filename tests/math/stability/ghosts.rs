@@ -79,7 +79,7 @@ fn ghost(
     }
 
     // The image of what is behind the plane is as far in front of it, and so nearer to the eye.
-    let tolerance = plan.ghost_tolerance(begin * w);
+    let tolerance = plan.ghost_tolerance(begin * w, false);
     let behind = if is_orthographic {
         tolerance
     } else {

@@ -5,7 +5,7 @@ use glam::{DMat3, DVec2};
 
 use super::{
     tally::{Broken, Tally, count, run},
-    witness::{HALF_STEP, MAX_MARGIN, MIN_WIDTH_PX, Witness, lengths},
+    witness::{HALF_STEP, Witness, lengths, max_margin, min_width_px},
 };
 use crate::extremes::{Extreme, KINDS};
 
@@ -86,12 +86,12 @@ fn is_justified(input: &ViewInput, skip: Skip, witness: &Witness) -> Result<(), 
             Tally::law("no point is in view", !found, String::new)
         }
         Skip::TooThin => {
-            let is_thin = width < MIN_WIDTH_PX * (1.0 + CLOSE) + CLOSE;
+            let is_thin = width < min_width_px(input) * (1.0 + CLOSE) + CLOSE;
             Tally::law("it is thin", is_thin, || format!("{width} px wide"))
         }
         Skip::BelowPrecision => {
             let margin = 2.0 * HALF_STEP * witness.noise(input);
-            let is_lost = margin > MAX_MARGIN * (1.0 - 1e-3);
+            let is_lost = margin > max_margin(input) * (1.0 - 1e-3);
             Tally::law("the plane is lost in noise", is_lost, || {
                 format!("margin {margin}")
             })
@@ -121,7 +121,7 @@ fn is_sound(input: &ViewInput, plan: &ReflectedViewPlan, tally: &mut Tally) -> R
         let same = plan.clip_from_view_oblique.row(row) == input.clip_from_view.row(row);
         Tally::law("only the depth row changes", same, || format!("row {row}"))?;
     }
-    tally.bound("margin", plan.margin, MAX_MARGIN)
+    tally.bound("margin", plan.margin, max_margin(input))
 }
 
 fn is_worth_drawing(
@@ -135,7 +135,7 @@ fn is_worth_drawing(
         format!("{front}")
     })?;
     let width = witness.width_px(input.viewport_size);
-    let is_wide = width >= MIN_WIDTH_PX * (1.0 - CLOSE) - CLOSE;
+    let is_wide = width >= min_width_px(input) * (1.0 - CLOSE) - CLOSE;
     Tally::law("it is wide enough", is_wide, || format!("{width} px wide"))?;
     let w_min = witness.w_min();
     tally.bound("least w", (plan.w_min - w_min).abs(), 10.0 * CLOSE * w_min)?;

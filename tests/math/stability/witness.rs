@@ -4,10 +4,19 @@
 use bevy_planar_mirror::math::ViewInput;
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4, Vec3Swizzles};
 
-/// The rules for leaving a mirror out, as documented.
-pub const MIN_WIDTH_PX: f64 = 0.5;
-pub const MIN_EYE_STEPS: f64 = 4.0;
-pub const MAX_MARGIN: f64 = 0.25;
+/// The rules for leaving a mirror out, as documented: of one that was not drawn, and of one that was.
+pub fn min_width_px(input: &ViewInput) -> f64 {
+    if input.was_drawn { 0.25 } else { 0.5 }
+}
+
+fn min_steps(input: &ViewInput) -> f64 {
+    if input.was_drawn { 2.0 } else { 4.0 }
+}
+
+pub fn max_margin(input: &ViewInput) -> f64 {
+    if input.was_drawn { 0.375 } else { 0.25 }
+}
+
 pub const HALF_STEP: f64 = 1.0 / (1 << 24) as f64;
 
 /// A linear function of the mirror's coordinates `(1, u, v)`, positive inside.
@@ -86,15 +95,16 @@ impl Witness {
     }
 
     /// How far the camera is on the front side, as a multiple of what it must be: its eye's height
-    /// in steps of `f32`, or for an orthographic camera the direction of its look.
+    /// in steps of `f32`, or how steeply an orthographic camera looks down.
     pub fn front(&self, input: &ViewInput) -> f64 {
+        let steps = min_steps(input) * 2.0 * HALF_STEP;
         if self.is_orthographic {
             let forward = input.world_from_view.matrix3 * DVec3::NEG_Z;
-            return 1.0 - input.plane.normal.dot(forward) / forward.length();
+            return -input.plane.normal.dot(forward.normalize()) / steps;
         }
         let (eye, origin) = (input.world_from_view.translation, input.plane.origin);
         let largest = eye.abs().max(origin.abs()).max_element();
-        self.height / (MIN_EYE_STEPS * 2.0 * HALF_STEP * largest).max(f64::MIN_POSITIVE)
+        self.height / (steps * largest).max(f64::MIN_POSITIVE)
     }
 
     /// Looks for a point of the mirror that is well inside of the view: a grid over the mirror,
