@@ -37,8 +37,8 @@
 //! |---|---|---|
 //! | [`depth_error`] of what is visible, in `f32` and three orders of evaluation | 122,073 | 0.51 |
 //! | [`clip_plane_error`], likewise | 122,073 | 0.50 |
-//! | [`margin`] left at the far end of every ray, by a depth row rounded to `f32` | 407,959 | 0.12 |
-//! | cut at the plane by such a row, of [`clip_plane_error`] | 407,959 | 0.11 |
+//! | [`margin`] at the far end of every ray, of a depth row rounded to `f32` | 407,959 | 0.12 |
+//! | [`clip_plane_error`], of such a row | 407,959 | 0.11 |
 //! | [`ReflectedViewPlan::ghost_tolerance`], of a quarter of a pixel | 407,959 | 1.00 |
 //!
 //! `PLANAR_MIRROR_STABILITY=full cargo test --test math stability -- --nocapture` measures it anew.
