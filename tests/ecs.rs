@@ -20,4 +20,5 @@ mod ecs {
     mod status;
     mod steady;
     mod untouched;
+    mod windows;
 }
