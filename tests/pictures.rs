@@ -8,6 +8,7 @@ mod pictures {
     mod bad_input;
     mod cameras;
     mod changes;
+    mod churn;
     mod company;
     mod contents;
     mod cutting;
