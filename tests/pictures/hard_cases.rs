@@ -5,6 +5,7 @@ use bevy::{
     prelude::*,
     render::{
         error_handler::{ErrorType, RenderErrorHandler, RenderErrorPolicy},
+        render_resource::PollType,
         renderer::RenderDevice,
         settings::{RenderCreation, WgpuSettings},
     },
@@ -150,11 +151,11 @@ fn after_a_lost_device_the_mirror_is_back() {
     });
     let mut live = Live::on(stage, &scene);
     let before = live.settled();
-    live.world()
-        .resource::<RenderDevice>()
-        .wgpu_device()
-        .destroy();
     let errors = live.stage.errors_while(|app| {
+        let device = app.world().resource::<RenderDevice>().wgpu_device();
+        device.destroy();
+        // The engine hears of it before it draws the next frame, as it does of a real loss.
+        device.poll(PollType::Poll).ok();
         for _ in 0..20 {
             app.update();
         }

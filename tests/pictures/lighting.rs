@@ -379,9 +379,9 @@ fn assert_shadows_matter(scene: &Scene) {
 /// What is seen in it is lit as if the sun threw no shadows; the scene keeps them.
 #[test]
 fn a_mirror_may_do_without_shadows() {
-    let mut scene = still_life("without-shadows").prop(sun(true));
+    let mut scene = still_life("without-shadows").prop(evening_sun(vec3(1.0, 1.2, 3.0), 2));
     scene.mirrors[0].mirror.shadows = MirrorShadows::Off;
-    let shadowless = still_life("shadowless").prop(sun(false));
+    let shadowless = still_life("shadowless").prop(evening_sun(vec3(1.0, 1.2, 3.0), 0));
     let mut studio = Studio::default();
     let picture = studio.picture(&scene);
     let mask = studio.mask(&scene, 0);
