@@ -1,10 +1,7 @@
 //! What of an object is seen in a mirror at all, in f64 and with no code of the library: cut at the
 //! mirror's plane and at the sides of the pyramid from the reflected eye through the mirror's frame.
 
-use bevy::{
-    math::DVec3,
-    mesh::{Mesh, VertexAttributeValues},
-};
+use bevy::math::DVec3;
 
 use crate::{
     lens::{Eye, Lens},
@@ -55,18 +52,5 @@ pub fn within(object: &Object, planes: &[Plane]) -> Option<Object> {
             }),
             Cut::Nothing => None,
         }
-    })
-}
-
-/// The heights of an object's vertices over a plane.
-pub fn heights<'a>(object: &'a Object, plane: &'a Plane) -> impl Iterator<Item = f64> + 'a {
-    let world_from_local = exact(&object.transform);
-    let positions = match object.mesh.attribute(Mesh::ATTRIBUTE_POSITION) {
-        Some(VertexAttributeValues::Float32x3(positions)) => &positions[..],
-        _ => &[],
-    };
-    positions.iter().map(move |position| {
-        let local = DVec3::from_array(position.map(f64::from));
-        plane.height(world_from_local.transform_point3(local))
     })
 }

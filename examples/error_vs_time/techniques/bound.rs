@@ -14,12 +14,13 @@ use std::sync::Arc;
 use bevy::{
     camera::{ScalingMode, SubCameraView, Viewport, visibility::RenderLayers},
     light::NotShadowCaster,
-    math::DVec4,
+    math::{DVec3, DVec4},
+    mesh::VertexAttributeValues,
     prelude::*,
 };
 
 use crate::{
-    pyramid::{self, heights, within},
+    pyramid::{self, within},
     support::{
         cut::Plane,
         reference::reflected_eye,
@@ -113,6 +114,19 @@ fn keep_shadows(bound: &mut Scene, objects: &[Object]) {
         });
         Object { look, ..object }
     }));
+}
+
+/// The heights of an object's vertices over a plane.
+fn heights<'a>(object: &'a Object, plane: &'a Plane) -> impl Iterator<Item = f64> + 'a {
+    let world_from_local = exact(&object.transform);
+    let positions = match object.mesh.attribute(Mesh::ATTRIBUTE_POSITION) {
+        Some(VertexAttributeValues::Float32x3(positions)) => &positions[..],
+        _ => &[],
+    };
+    positions.iter().map(move |position| {
+        let local = DVec3::from_array(position.map(f64::from));
+        plane.height(world_from_local.transform_point3(local))
+    })
 }
 
 fn projection(scene: &Scene, plane: Plane, eye: &Transform, cut: bool) -> Projection {
