@@ -87,6 +87,31 @@
 //! | a mirror that hides all behind it | that is what it does; a surface to see through is not done yet |
 //! | no reflection in one camera | [`NoMirrors`] on it, its `RenderLayers`, deferred rendering |
 //!
+//! # What it costs
+//!
+//! [`MirrorFigures`] lists the reflected views of a frame, with the pixels of the mirror and the
+//! objects drawn in it. How long the pass took is the span `planar_mirror_pass` of Bevy's render
+//! diagnostics. With the feature `debug` gizmos show the visible part of each mirror and the
+//! frustum behind it, in which objects are looked for.
+//!
+//! Directional shadows are most of the price of a lit reflection: [`MirrorShadows::Off`] spares
+//! them. Mirrors in one plane share a view, so that a floor of tiles costs as one mirror.
+//!
+//! # Mirrors in mirrors
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_planar_mirror::prelude::*;
+//! # let mut app = App::new();
+//! app.add_plugins(PlanarMirrorPlugin {
+//!     max_bounces: 4,
+//!     ..default()
+//! });
+//! ```
+//!
+//! Each mirror that is seen in a mirror then has a view of its own, narrowed to what is seen of it;
+//! where that is thinner than half a pixel it ends by itself.
+//!
 //! # Which camera sees which mirror
 //!
 //! Every active `Camera3d` sees every visible mirror on its `RenderLayers`, and what it sees in it
@@ -114,7 +139,8 @@
 //! 3. What lies wholly behind the plane is dropped. If something crosses the plane, the view's near
 //!    plane is moved onto it ([`math::with_oblique_near_plane`]), which cuts it there.
 //! 4. Between the camera's opaque and transparent passes, the *mirror pass* draws the mesh into a
-//!    stencil where nothing stands before it, then the reflected view where that stencil is set.
+//!    stencil where nothing stands before it, then the reflected view where that stencil is set. The
+//!    stencil counts reflections, so that a mirror in a mirror is drawn the same way.
 //!    The pipelines are Bevy's own with a stencil test added and the front face turned around, as a
 //!    reflection turns the winding around.
 //! 5. The mirror's depth goes into the camera's, and the transparent pass draws the mirror's own
@@ -125,6 +151,7 @@
 //! | word | meaning |
 //! |---|---|
 //! | reflected view | the scene as seen by the camera's mirror image |
+//! | bounce | one of the reflections of a ray on its way to the camera |
 //! | front | the side of the plane that its normal points to, and that reflects |
 //! | mask | the pixels in which a mirror shows, as marked in the stencil |
 //! | plain projection | the camera's own; enough while nothing crosses the plane |
@@ -132,7 +159,8 @@
 //!
 //! # Limits
 //!
-//! - Mirrors do not show in mirrors as such: of a mirror in a mirror one sees its material, if any.
+//! - Of a mirror in a mirror one sees its material, if any, beyond
+//!   [`max_bounces`](PlanarMirrorPlugin::max_bounces), which is 1 by default.
 //! - A camera that renders deferred sees no mirrors, and the status says so.
 //! - The reflection is sharp: there is no roughness and no blur.
 //! - What screen-space effects and temporal filters read of a mirror's pixels, depth, normals and
@@ -144,8 +172,11 @@
 //! - While something crosses the plane, an orthographic camera's reflection has its highlights in
 //!   the wrong place: the engine reads the direction of such a view from the depth row, which then
 //!   is the mirror's. [`MirrorClip::Whole`] avoids that, at the price of the cut.
-//! - At most 255 mirrors show in one camera; of more, the nearest.
+//! - At most [`max_views`](PlanarMirrorPlugin::max_views) reflections show in one camera, by default
+//!   255; of more, those that cover most of the screen. Mirrors in one plane share one.
 
+#[cfg(feature = "debug")]
+mod debug;
 pub mod math;
 mod mirror;
 mod plugin;
@@ -153,13 +184,16 @@ mod render;
 pub mod status;
 mod view;
 
-pub use mirror::{MirrorClip, MirrorPlane, NoMirrors, PlanarMirror};
+#[cfg(feature = "debug")]
+pub use debug::MirrorGizmos;
+pub use mirror::{MirrorClip, MirrorPlane, MirrorShadows, NoMirrors, PlanarMirror};
 pub use plugin::{MirrorSystems, PlanarMirrorPlugin};
-pub use status::{MirrorState, MirrorStatus, NotDrawn};
+pub use status::{MirrorFigures, MirrorState, MirrorStatus, NotDrawn};
 
 /// What a game imports: `use bevy_planar_mirror::prelude::*;`.
 pub mod prelude {
     pub use crate::{
-        MirrorClip, MirrorPlane, MirrorStatus, NoMirrors, PlanarMirror, PlanarMirrorPlugin,
+        MirrorClip, MirrorFigures, MirrorPlane, MirrorShadows, MirrorStatus, NoMirrors,
+        PlanarMirror, PlanarMirrorPlugin,
     };
 }

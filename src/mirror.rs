@@ -41,6 +41,10 @@ pub struct PlanarMirror {
     ///
     /// Default [`MirrorClip::Auto`]: they are cut at it.
     pub clip: MirrorClip,
+    /// Whether directional lights throw shadows on what is seen in it.
+    ///
+    /// Default [`MirrorShadows::Own`]: as in the scene itself.
+    pub shadows: MirrorShadows,
 }
 
 /// Where the reflecting plane of a [`PlanarMirror`] lies.
@@ -79,6 +83,21 @@ pub enum MirrorClip {
     /// They are drawn whole, so the part behind the plane shows as well. To see what the oblique
     /// near plane is for.
     Whole,
+}
+
+/// Where the shadows of directional lights come from on what is seen in a [`PlanarMirror`].
+///
+/// Those of point and spot lights are the scene's own and cost nothing more.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Clone, Debug, PartialEq, Hash)]
+#[non_exhaustive]
+pub enum MirrorShadows {
+    /// From shadow maps of the reflected view's own, in which only what throws shadows on something
+    /// seen is drawn, and of the cascades only those that something seen lies in.
+    #[default]
+    Own,
+    /// There are none: all is lit. Spares the drawing of the shadow maps.
+    Off,
 }
 
 /// On a camera: it sees no reflections, and costs nothing for the mirrors of the scene.

@@ -17,11 +17,12 @@ use bevy::{
 use crate::{
     mirror::{NoMirrors, PlanarMirror},
     render,
-    status::MirrorStatus,
+    status::{MirrorFigures, MirrorStatus},
     view::{
-        MirrorPatches, ReflectedViews, any_reflected_views, apply_reflected_views,
+        MirrorLimits, MirrorPatches, ReflectedViews, any_reflected_views, apply_reflected_views,
         clip_reflected_views, decide_reflected_views, disable_reflected_views,
-        enable_reflected_views, fit_mirror_planes, narrow_cascades, report_status, some_views_wait,
+        enable_reflected_views, fit_mirror_planes, narrow_cascades, report_figures, report_status,
+        some_views_wait,
     },
 };
 
@@ -29,8 +30,27 @@ use crate::{
 ///
 /// Add it beside `DefaultPlugins`, in any order. Without a renderer nothing is drawn, but the
 /// components work and [`MirrorStatus`] says so.
-#[derive(Default, Debug, Clone)]
-pub struct PlanarMirrorPlugin {}
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PlanarMirrorPlugin {
+    /// How often a ray may be reflected on its way to a camera. Default 1: a mirror that is seen in
+    /// a mirror shows its material alone. With 2 it reflects, with 3 also what is seen in that; with
+    /// 0 there are no reflections.
+    pub max_bounces: u8,
+    /// How many reflected views a camera may have, mirrors in mirrors included. Default 255.
+    ///
+    /// Mirrors in one plane share a view. Of more than that, those that cover most of the screen
+    /// are drawn; the others' [`MirrorStatus`] says so.
+    pub max_views: usize,
+}
+
+impl Default for PlanarMirrorPlugin {
+    fn default() -> Self {
+        Self {
+            max_bounces: 1,
+            max_views: 255,
+        }
+    }
+}
 
 /// The steps of the plugin in `PostUpdate`, to order systems against.
 #[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -55,8 +75,18 @@ impl Plugin for PlanarMirrorPlugin {
         app.register_type::<PlanarMirror>()
             .register_type::<NoMirrors>()
             .register_type::<MirrorStatus>()
+            .register_type::<MirrorFigures>()
+            .init_resource::<MirrorFigures>()
             .init_resource::<MirrorPatches>()
             .init_resource::<ReflectedViews>()
+            .insert_resource(MirrorLimits {
+                max_bounces: self.max_bounces,
+                max_views: if self.max_bounces == 0 {
+                    0
+                } else {
+                    self.max_views
+                },
+            })
             .configure_sets(
                 PostUpdate,
                 (
@@ -92,7 +122,7 @@ impl Plugin for PlanarMirrorPlugin {
                         .in_set(MirrorSystems::UpdateViews),
                     (
                         clip_reflected_views.run_if(any_reflected_views),
-                        report_status,
+                        (report_status, report_figures),
                     )
                         .chain()
                         .in_set(MirrorSystems::ClipViews),
@@ -113,6 +143,11 @@ impl Plugin for PlanarMirrorPlugin {
     }
 
     fn finish(&self, app: &mut App) {
+        // Not in `build`: gizmos may come with a plugin that is added later.
+        #[cfg(feature = "debug")]
+        if app.is_plugin_added::<bevy::gizmos::GizmoPlugin>() {
+            crate::debug::add_mirror_gizmos(app);
+        }
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };

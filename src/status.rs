@@ -84,8 +84,42 @@ pub enum NotDrawn {
     /// The plane cannot be told from the rounding of single precision at this distance from the
     /// origin.
     BelowPrecision,
-    /// More mirrors are in view than a stencil has ids (255): nearer ones go first.
+    /// More mirrors are in view than [`PlanarMirrorPlugin`](crate::PlanarMirrorPlugin) may draw: those
+    /// that cover more of the screen go first.
     TooManyMirrors,
+}
+
+/// What there is to draw for mirrors in this frame: one entry for each reflected view. Written by
+/// the plugin alone, in `PostUpdate`.
+///
+/// What that takes on the GPU is the span `planar_mirror_pass` of Bevy's render diagnostics.
+#[derive(Resource, Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(Resource, Default, Clone, Debug, PartialEq)]
+pub struct MirrorFigures {
+    /// Grouped by camera; a mirror comes before those that are seen in it.
+    pub views: Vec<ViewFigures>,
+}
+
+/// One reflected view: a mirror, or several in one plane, as seen by a camera or in another mirror.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Clone, Debug, PartialEq)]
+pub struct ViewFigures {
+    /// The user's camera.
+    pub camera: Entity,
+    /// The mirror; of several one.
+    pub mirror: Entity,
+    /// How many mirrors share the view.
+    pub mirrors: usize,
+    /// How often a ray is reflected on its way to the camera: 1 if the camera sees the mirror
+    /// itself.
+    pub bounces: u8,
+    /// What is seen of the mirrors on the screen, in physical pixels, before anything that hides
+    /// them.
+    pub pixels: f32,
+    /// Meshes and other objects that are drawn in it.
+    pub objects: usize,
+    /// The projection with which they are drawn.
+    pub projection: Projection,
 }
 
 impl MirrorStatus {
@@ -134,7 +168,7 @@ impl fmt::Display for NotDrawn {
             Self::OutOfView => "out of view",
             Self::TooThin => "thinner than half a pixel",
             Self::BelowPrecision => "below the precision of the coordinates",
-            Self::TooManyMirrors => "more than 255 mirrors in view",
+            Self::TooManyMirrors => "more mirrors in view than may be drawn",
         })
     }
 }

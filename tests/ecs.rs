@@ -16,6 +16,7 @@ mod ecs {
     mod reasons;
     mod reflection;
     mod removal;
+    mod sharing;
     mod sight;
     mod status;
     mod steady;

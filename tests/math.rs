@@ -4,6 +4,8 @@
 mod extremes;
 #[path = "math/fitting.rs"]
 mod fitting;
+#[path = "math/joins.rs"]
+mod joins;
 #[path = "math/laws.rs"]
 mod laws;
 #[path = "math/plans.rs"]

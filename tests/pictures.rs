@@ -6,6 +6,7 @@ mod support;
 
 mod pictures {
     mod bad_input;
+    mod bounces;
     mod cameras;
     mod changes;
     mod company;
@@ -14,6 +15,7 @@ mod pictures {
     mod effects;
     mod extremes;
     mod foreign;
+    mod hard_cases;
     mod harness;
     mod idle;
     mod leftovers;

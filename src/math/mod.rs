@@ -6,6 +6,7 @@
 //! | `plane` | what a plane is, and how far a point is in front of it |
 //! | `patch` | where a flat rectangle of a mesh lies in the world |
 //! | `fit` | which rectangle a flat mesh covers |
+//! | `join` | which mirrors lie in one plane, and share their reflection |
 //! | `reflection` | where a point, a direction and a camera go by reflection |
 //! | `projection` | how a projection is undone, and what kind it is |
 //! | `polygon` | which part of the mirror a camera sees |
@@ -34,6 +35,7 @@
 //! reflected point, a distance) pass them through.
 
 mod fit;
+mod join;
 mod noise;
 mod oblique;
 mod patch;
@@ -45,6 +47,7 @@ mod side;
 mod view;
 
 pub use fit::{FitError, fit_patch};
+pub use join::{is_in_plane, joint_corners};
 pub use noise::{MAX_MARGIN, clip_plane_error, depth_error, margin, noise};
 pub use oblique::{
     Reach, fitted_depth_row, oblique_k, oblique_row, plane_in_clip, plane_in_reflected_view,
@@ -52,8 +55,10 @@ pub use oblique::{
 };
 pub use patch::{PlanarPatch, transform_patch};
 pub use plane::Plane;
-pub use polygon::{VisiblePolygon, clip_polygon};
+pub use polygon::{Opening, VisiblePolygon, clip_polygon, clip_polygon_within};
 pub use projection::BaseProjection;
 pub use reflection::{reflect_point, reflect_vector, reflected_world_from_view, reflection_affine};
 pub use side::{Side, classify, narrowed_sides, signed_distance_range};
-pub use view::{ReflectedViewPlan, Skip, ViewInput, plan_reflected_view};
+pub use view::{
+    ReflectedViewPlan, Skip, ViewInput, plan_reflected_view, plan_reflected_view_within,
+};

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec4};
 
-/// A quad clipped by six planes has at most ten vertices; two to spare for rounding.
+/// A quad clipped by seven planes has at most eleven vertices; one to spare for rounding.
 const CAPACITY: usize = 12;
 
 /// A convex polygon in homogeneous clip space, inside the clip volume. Lives on the stack.
@@ -28,8 +28,19 @@ impl VisiblePolygon {
 
     /// The whole screen: for a mirror without known bounds.
     pub fn full_view() -> Self {
+        Self::all_within(&Opening::SCREEN)
+    }
+
+    /// All of an opening: for a mirror without known bounds.
+    pub(super) fn all_within(opening: &Opening) -> Self {
+        let Opening { low, high, .. } = *opening;
         let mut polygon = Self::EMPTY;
-        for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+        for (x, y) in [
+            (low.x, low.y),
+            (high.x, low.y),
+            (high.x, high.y),
+            (low.x, high.y),
+        ] {
             polygon.push(DVec4::new(x, y, 0.0, 1.0));
         }
         polygon.is_full_view = true;
@@ -91,6 +102,14 @@ impl VisiblePolygon {
         width.reduce(f64::min).unwrap_or(0.0)
     }
 
+    /// The area in pixels of a `viewport` of that size. 0 when empty.
+    pub fn area_px(&self, viewport: DVec2) -> f64 {
+        let next = self.ndc().cycle().skip(1);
+        let twice: f64 = self.ndc().zip(next).map(|(a, b)| a.perp_dot(b)).sum();
+        // Device coordinates are two units wide.
+        twice.abs() / 8.0 * viewport.x * viewport.y
+    }
+
     fn push(&mut self, vertex: DVec4) {
         // Only a polygon that rounding has made concave could ask for more than there is.
         if let Some(slot) = self.vertices.get_mut(self.len) {
@@ -129,12 +148,42 @@ fn cut(a: DVec4, from: f64, b: DVec4, to: f64) -> DVec4 {
     }
 }
 
+/// Through what a mirror is looked at: the screen, or another mirror.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Opening {
+    /// The lowest coordinates on the screen, from -1 on.
+    pub low: DVec2,
+    /// The highest coordinates on the screen, to 1.
+    pub high: DVec2,
+    /// What is behind this plane of view space, the other mirror's, does not show.
+    pub plane_view: Option<DVec4>,
+}
+
+impl Opening {
+    /// The whole screen.
+    pub const SCREEN: Self = Self {
+        low: DVec2::NEG_ONE,
+        high: DVec2::ONE,
+        plane_view: None,
+    };
+}
+
 /// The visible part of a quad, given its corners in clip space in order around it.
 ///
 /// The quad is clipped to the whole clip volume, `|x| <= w`, `|y| <= w` and `0 <= z <= w`; for an
 /// infinite perspective, where `z` is the near distance everywhere, the last is `w >= near`.
 /// Empty if nothing is visible or a corner is not finite.
 pub fn clip_polygon(corners_clip: &[DVec4; 4]) -> VisiblePolygon {
+    clip_polygon_within(corners_clip, (DVec2::NEG_ONE, DVec2::ONE), None)
+}
+
+/// [`clip_polygon`], of which only what shows between `low` and `high` on the screen is kept, and
+/// what is in front of `plane_clip`, a plane of clip space.
+pub fn clip_polygon_within(
+    corners_clip: &[DVec4; 4],
+    (low, high): (DVec2, DVec2),
+    plane_clip: Option<DVec4>,
+) -> VisiblePolygon {
     if !corners_clip.iter().all(|corner| corner.is_finite()) {
         return VisiblePolygon::EMPTY;
     }
@@ -142,14 +191,17 @@ pub fn clip_polygon(corners_clip: &[DVec4; 4]) -> VisiblePolygon {
     for &corner in corners_clip {
         quad.push(corner);
     }
-    let visible = quad
+    let mut visible = quad
         // First, so that w is positive from here on.
         .clipped(|v| v.w - v.z)
         .clipped(|v| v.z)
-        .clipped(|v| v.w - v.x)
-        .clipped(|v| v.w + v.x)
-        .clipped(|v| v.w - v.y)
-        .clipped(|v| v.w + v.y);
+        .clipped(|v| high.x * v.w - v.x)
+        .clipped(|v| v.x - low.x * v.w)
+        .clipped(|v| high.y * v.w - v.y)
+        .clipped(|v| v.y - low.y * v.w);
+    if let Some(plane) = plane_clip {
+        visible = visible.clipped(|v| plane.dot(v));
+    }
     // A projection without a near plane leaves the eye itself, which has no place on the screen.
     let on_screen = visible
         .vertices()

@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
-use super::{plane::Plane, polygon::VisiblePolygon};
+use super::plane::Plane;
 
 /// By how much the culling planes keep clear of the polygon, in pixels.
 const CULLING_GUARD_PX: f64 = 2.0;
@@ -46,18 +46,17 @@ pub fn classify((least, greatest): (f64, f64), tolerance: f64) -> Side {
     }
 }
 
-/// The planes left, right, bottom and top of what is seen through a polygon of the screen, in
-/// view space, with unit normals to the inside: `n.p + d >= 0`.
+/// The planes left, right, bottom and top of what is seen between `low` and `high` on the screen,
+/// in view space, with unit normals to the inside: `n.p + d >= 0`.
 ///
-/// Through the bounds of the polygon and two pixels around them, but not beyond the screen. They
-/// are the same for the camera and for its reflection. Where there is no such plane, because the
-/// polygon is empty or the projection degenerate, `(0, 0, 0, 1)`, which everything is inside of.
+/// Through these bounds and two pixels around them, but not beyond the screen. They are the same
+/// for the camera and for its reflection. Where there is no such plane, because the bounds are
+/// those of nothing or the projection degenerate, `(0, 0, 0, 1)`, which everything is inside of.
 pub fn narrowed_sides(
-    polygon: &VisiblePolygon,
+    (low, high): (DVec2, DVec2),
     clip_from_view: &DMat4,
     viewport_size: DVec2,
 ) -> [DVec4; 4] {
-    let (low, high) = polygon.ndc_bounds();
     let guard = DVec2::splat(CULLING_GUARD_PX * 2.0) / viewport_size;
     let low = (low - guard).max(DVec2::NEG_ONE);
     let high = (high + guard).min(DVec2::ONE);

@@ -9,7 +9,7 @@ use super::{
         with_depth_row,
     },
     plane::Plane,
-    polygon::{VisiblePolygon, clip_polygon},
+    polygon::{Opening, VisiblePolygon, clip_polygon_within},
     projection::BaseProjection,
     reflection::reflected_world_from_view,
 };
@@ -102,6 +102,17 @@ impl ReflectedViewPlan {
 /// It is needed only if something straddles the plane; otherwise the camera's own projection has
 /// the better depth.
 pub fn plan_reflected_view(input: &ViewInput) -> Result<ReflectedViewPlan, Skip> {
+    plan_reflected_view_within(input, &Opening::SCREEN)
+}
+
+/// [`plan_reflected_view`] of a mirror that is looked at through an opening.
+///
+/// For a mirror in a mirror `input.world_from_view` is the reflected view of the outer one, and the
+/// opening what is seen of that.
+pub fn plan_reflected_view_within(
+    input: &ViewInput,
+    opening: &Opening,
+) -> Result<ReflectedViewPlan, Skip> {
     let ViewInput {
         world_from_view,
         plane,
@@ -119,11 +130,17 @@ pub fn plan_reflected_view(input: &ViewInput) -> Result<ReflectedViewPlan, Skip>
     }
 
     let polygon = match &input.corners {
-        None => VisiblePolygon::full_view(),
-        Some(corners) => clip_polygon(&corners.map(|corner| {
-            // Relative to the eye, which may be far from the origin.
-            projection.clip_from_view * (view_from_world * (corner - eye)).extend(1.0)
-        })),
+        None => VisiblePolygon::all_within(opening),
+        Some(corners) => clip_polygon_within(
+            &corners.map(|corner| {
+                // Relative to the eye, which may be far from the origin.
+                projection.clip_from_view * (view_from_world * (corner - eye)).extend(1.0)
+            }),
+            (opening.low, opening.high),
+            opening
+                .plane_view
+                .map(|plane_view| projection.clip_covector(plane_view)),
+        ),
     };
     if polygon.is_empty() {
         return Err(Skip::OutOfView);

@@ -1,5 +1,7 @@
 //! What to draw: [`ExtractedMirrors`], and the reflected views made to fit their cameras.
 
+use core::ops::Range;
+
 use bevy::{
     asset::AssetId,
     camera::Camera3d,
@@ -16,57 +18,117 @@ use bevy::{
 };
 use glam::{Mat4, Vec2};
 
-use crate::view::{DepthRange, ReflectedView};
+use crate::{
+    math::depth_error,
+    status::Projection,
+    view::{DepthRange, ReflectedViews},
+};
 
-/// Every reflection of this frame, grouped by camera.
+/// Every reflection of this frame.
 #[derive(Resource, Default)]
-pub struct ExtractedMirrors(pub Vec<ExtractedMirror>);
+pub struct ExtractedMirrors {
+    /// Grouped by camera; in the order of drawing, which is that of a tree: after each view the
+    /// views of mirrors that are seen in it.
+    pub views: Vec<ExtractedMirrorView>,
+    /// The surfaces of all views, each view's together.
+    pub surfaces: Vec<ExtractedSurface>,
+}
 
-/// One mirror as seen by one camera. Entities are those of the render world.
-pub struct ExtractedMirror {
+/// A reflected view. Entities are those of the render world.
+pub struct ExtractedMirrorView {
     /// The user's camera.
     pub camera: Entity,
+    /// The camera, or the reflected view, that sees the mirror.
+    pub viewer: Entity,
     /// The reflected view.
     pub view: Entity,
-    /// The surface that is masked.
-    pub mesh: AssetId<Mesh>,
-    pub world_from_local: Mat4,
+    /// From 1; see [`PlannedView`].
+    pub bounce: u8,
+    /// The surfaces that are masked.
+    pub surfaces: Range<usize>,
     pub clip_from_view: Mat4,
-    /// See [`ReflectedView`].
+    /// See [`PlannedView`].
     pub clip_unbounded: Option<Mat4>,
-    /// See [`ReflectedView`].
+    /// See [`PlannedView`].
     pub ndc_bounds: (Vec2, Vec2),
     pub depths: DepthRange,
+    /// By how much the depths that two programs compute for a surface in `viewer` may differ.
+    pub depth_noise: f32,
+}
+
+/// The surface of a mirror.
+pub struct ExtractedSurface {
+    pub mesh: AssetId<Mesh>,
+    pub world_from_local: Mat4,
 }
 
 pub fn extract_mirrors(
     mut extracted: ResMut<ExtractedMirrors>,
-    views: Extract<Query<(RenderEntity, &ReflectedView)>>,
-    cameras: Extract<Query<RenderEntity>>,
+    views: Extract<Res<ReflectedViews>>,
+    entities: Extract<Query<RenderEntity>>,
     mirrors: Extract<Query<(&Mesh3d, &GlobalTransform)>>,
 ) {
-    extracted.0.clear();
-    for (view, reflected) in &views {
-        let (Ok(camera), Ok((mesh, transform))) =
-            (cameras.get(reflected.camera), mirrors.get(reflected.mirror))
-        else {
-            continue;
-        };
-        extracted.0.push(ExtractedMirror {
-            camera,
-            view,
-            mesh: mesh.id(),
-            world_from_local: transform.to_matrix(),
-            clip_from_view: reflected.clip_from_view,
-            clip_unbounded: reflected.clip_unbounded,
-            ndc_bounds: reflected.ndc_bounds,
-            depths: reflected.depths,
-        });
+    let extracted = &mut *extracted;
+    extracted.views.clear();
+    extracted.surfaces.clear();
+    for (index, planned) in views.planned.iter().enumerate() {
+        if planned.viewer.is_none() {
+            extract_tree(index, &views, &entities, &mirrors, extracted);
+        }
     }
-    // Stable, so that ids and draw order do not jump between frames.
-    extracted
-        .0
-        .sort_by_key(|mirror| (mirror.camera, mirror.view));
+}
+
+/// Extracts a view, then all that is seen in it.
+fn extract_tree(
+    index: usize,
+    views: &ReflectedViews,
+    entities: &Query<RenderEntity>,
+    mirrors: &Query<(&Mesh3d, &GlobalTransform)>,
+    extracted: &mut ExtractedMirrors,
+) {
+    let planned = &views.planned[index];
+    let outer = planned.viewer.map(|outer| &views.planned[outer]);
+    let viewer = outer.map_or(Some(planned.camera), |outer| outer.entity);
+    let render_entity = |entity: Option<Entity>| entities.get(entity?).ok();
+    let (Some(camera), Some(viewer), Some(view)) = (
+        render_entity(Some(planned.camera)),
+        render_entity(viewer),
+        render_entity(planned.entity),
+    ) else {
+        return;
+    };
+    let first = extracted.surfaces.len();
+    extracted.surfaces.extend(
+        mirrors
+            .iter_many(&views.surfaces[planned.mirrors.clone()])
+            .map(|(mesh, transform)| ExtractedSurface {
+                mesh: mesh.id(),
+                world_from_local: transform.to_matrix(),
+            }),
+    );
+    let (low, high) = planned.ndc_bounds;
+    extracted.views.push(ExtractedMirrorView {
+        camera,
+        viewer,
+        view,
+        bounce: planned.bounce,
+        surfaces: first..extracted.surfaces.len(),
+        clip_from_view: planned.clip_from_view,
+        clip_unbounded: planned.clip_unbounded(),
+        ndc_bounds: (low.as_vec2(), high.as_vec2()),
+        depths: planned.depths,
+        depth_noise: match outer {
+            Some(outer) if outer.projection == Projection::Oblique => {
+                depth_error(outer.plan.noise) as f32
+            }
+            _ => 0.0,
+        },
+    });
+    for inner in index + 1..views.planned.len() {
+        if views.planned[inner].viewer == Some(index) {
+            extract_tree(inner, views, entities, mirrors, extracted);
+        }
+    }
 }
 
 /// Gives each reflected view what only its camera's extracted form knows, and lets the mask read
@@ -76,7 +138,7 @@ pub fn configure_mirror_views(
     mut views: Query<(&mut ExtractedView, &mut ExtractedCamera, &mut Camera3d)>,
     mut formats: ResMut<CameraMainPassTextureFormats>,
 ) {
-    for mirror in &mirrors.0 {
+    for mirror in &mirrors.views {
         let Ok([main, reflected]) = views.get_many_mut([mirror.camera, mirror.view]) else {
             continue;
         };
@@ -96,7 +158,7 @@ pub fn configure_mirror_views(
 /// Temporal anti-aliasing moves the camera's picture by parts of a pixel, and with it what shows
 /// in its mirrors.
 pub fn share_jitter(mirrors: Res<ExtractedMirrors>, mut jitters: Query<&mut TemporalJitter>) {
-    for mirror in &mirrors.0 {
+    for mirror in &mirrors.views {
         if let Ok([camera, mut view]) = jitters.get_many_mut([mirror.camera, mirror.view]) {
             view.offset = camera.offset;
         }

@@ -28,7 +28,7 @@ use super::prepare::MirrorUniform;
 /// Layouts and shader of the mirror pass's own pipelines.
 #[derive(Resource)]
 pub struct MirrorPipelines {
-    /// The camera's view and the mirror's transform.
+    /// The view that sees a surface, and the mirror's transform.
     pub surface_layout: BindGroupLayoutDescriptor,
     /// The camera's depth, without and with samples.
     pub depth_layouts: [BindGroupLayoutDescriptor; 2],
@@ -56,36 +56,40 @@ pub struct PassKey {
     pub samples: u32,
 }
 
-/// Which of the two draws of the surface.
+/// Which of the draws of a surface.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Surface {
-    /// Id into the stencil where the surface is seen.
+pub enum SurfaceDraw {
+    /// Counts the stencil up where the camera sees the surface.
     Mask,
+    /// The same where a reflection shows it.
+    InnerMask,
+    /// Counts the stencil down again, and puts the surface's depth in place of its reflection's.
+    Restore,
     /// Depth into the camera's own depth texture.
     Depth,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct SurfaceKey {
-    surface: Surface,
+    draw: SurfaceDraw,
     pass: PassKey,
     topology: PrimitiveTopology,
     strip_index_format: Option<IndexFormat>,
 }
 
 impl SpecializedMasks {
-    /// The pipeline that draws `mesh` as a mask or as depth; `None` for a mesh without positions.
+    /// The pipeline for one draw of `mesh`; `None` for a mesh without positions.
     pub fn surface(
         &mut self,
         cache: &PipelineCache,
         pipelines: &MirrorPipelines,
-        surface: Surface,
+        draw: SurfaceDraw,
         pass: PassKey,
         mesh: &RenderMesh,
     ) -> Option<CachedRenderPipelineId> {
         let topology = mesh.primitive_topology();
         let key = SurfaceKey {
-            surface,
+            draw,
             pass,
             topology,
             strip_index_format: mesh.index_format().filter(|_| topology.is_strip()),
@@ -161,41 +165,51 @@ impl SpecializedMeshPipeline for MirrorPipelines {
             multisample: samples(pass.samples),
             ..default()
         };
-        match key.surface {
-            Surface::Mask => {
-                let mut defs = vec!["MASK".into()];
-                if pass.samples > 1 {
-                    defs.push("MULTISAMPLED".into());
-                }
-                descriptor.label = Some("planar_mirror_mask".into());
-                descriptor
-                    .layout
-                    .push(self.depth_layout(pass.samples).clone());
-                descriptor.vertex.entry_point = Some("mask_vertex".into());
-                descriptor.vertex.shader_defs = defs.clone();
-                descriptor.fragment = Some(FragmentState {
-                    shader: self.shader.clone(),
-                    shader_defs: defs,
-                    entry_point: Some("mask_fragment".into()),
-                    targets: vec![Some(ColorTargetState {
-                        format: pass.color,
-                        blend: None,
-                        write_mask: ColorWrites::empty(),
-                    })],
-                });
-                // Where two mirrors overlap the nearer one keeps the pixel.
-                descriptor.depth_stencil = Some(DepthStencilState {
-                    stencil: stencil(CompareFunction::Always, StencilOperation::Replace, 0xff),
-                    ..depth(pass.depth_stencil, CompareFunction::GreaterEqual)
-                });
-            }
-            Surface::Depth => {
-                descriptor.label = Some("planar_mirror_depth".into());
-                descriptor.vertex.entry_point = Some("depth_vertex".into());
-                descriptor.depth_stencil =
-                    Some(depth(CORE_3D_DEPTH_FORMAT, CompareFunction::GreaterEqual));
-            }
+        let (label, vertex) = match key.draw {
+            SurfaceDraw::Mask | SurfaceDraw::InnerMask => ("planar_mirror_mask", "mask_vertex"),
+            SurfaceDraw::Restore => ("planar_mirror_restore", "depth_vertex"),
+            SurfaceDraw::Depth => ("planar_mirror_depth", "depth_vertex"),
+        };
+        descriptor.label = Some(label.into());
+        descriptor.vertex.entry_point = Some(vertex.into());
+        descriptor.depth_stencil = Some(match key.draw {
+            // Where two mirrors overlap the nearer one is seen.
+            SurfaceDraw::Mask | SurfaceDraw::InnerMask => DepthStencilState {
+                stencil: stencil(StencilOperation::IncrementClamp),
+                ..depth(pass.depth_stencil, CompareFunction::GreaterEqual)
+            },
+            SurfaceDraw::Restore => DepthStencilState {
+                stencil: stencil(StencilOperation::DecrementClamp),
+                ..depth(pass.depth_stencil, CompareFunction::Always)
+            },
+            SurfaceDraw::Depth => depth(CORE_3D_DEPTH_FORMAT, CompareFunction::GreaterEqual),
+        });
+        if key.draw == SurfaceDraw::Depth {
+            return Ok(descriptor);
         }
+        let mut fragment = FragmentState {
+            shader: self.shader.clone(),
+            entry_point: Some("empty_fragment".into()),
+            targets: vec![Some(ColorTargetState {
+                format: pass.color,
+                blend: None,
+                write_mask: ColorWrites::empty(),
+            })],
+            ..default()
+        };
+        if key.draw == SurfaceDraw::Mask {
+            let mut defs = vec!["MASK".into()];
+            if pass.samples > 1 {
+                defs.push("MULTISAMPLED".into());
+            }
+            descriptor
+                .layout
+                .push(self.depth_layout(pass.samples).clone());
+            descriptor.vertex.shader_defs = defs.clone();
+            fragment.shader_defs = defs;
+            fragment.entry_point = Some("mask_fragment".into());
+        }
+        descriptor.fragment = Some(fragment);
         Ok(descriptor)
     }
 }
@@ -212,7 +226,6 @@ impl SpecializedRenderPipeline for MirrorPipelines {
         };
         RenderPipelineDescriptor {
             label: Some("planar_mirror_clear".into()),
-            layout: vec![self.surface_layout.clone()],
             vertex: VertexState {
                 shader: self.shader.clone(),
                 entry_point: Some("clear_vertex".into()),
@@ -231,9 +244,8 @@ impl SpecializedRenderPipeline for MirrorPipelines {
                 })],
                 ..default()
             }),
-            // Drawn with reference 0: every pixel that any mirror's id is in.
             depth_stencil: Some(DepthStencilState {
-                stencil: stencil(CompareFunction::NotEqual, StencilOperation::Keep, 0),
+                stencil: stencil(StencilOperation::Keep),
                 ..depth(pass.depth_stencil, CompareFunction::Always)
             }),
             multisample: samples(pass.samples),
@@ -257,9 +269,10 @@ fn depth(format: TextureFormat, compare: CompareFunction) -> DepthStencilState {
     }
 }
 
-fn stencil(compare: CompareFunction, pass_op: StencilOperation, write_mask: u32) -> StencilState {
+/// Draws where the stencil holds the reference value.
+fn stencil(pass_op: StencilOperation) -> StencilState {
     let face = StencilFaceState {
-        compare,
+        compare: CompareFunction::Equal,
         pass_op,
         ..StencilFaceState::IGNORE
     };
@@ -267,6 +280,6 @@ fn stencil(compare: CompareFunction, pass_op: StencilOperation, write_mask: u32)
         front: face,
         back: face,
         read_mask: 0xff,
-        write_mask,
+        write_mask: 0xff,
     }
 }

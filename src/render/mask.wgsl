@@ -1,9 +1,12 @@
-// The mirror's own surface: into the stencil as a mask, and into the camera's depth at the end.
+// The mirror's own surface: into the stencil as a mask before its reflection is drawn, and into the
+// depth of what sees it after that.
 
 #import bevy_render::view::View
 
 struct MirrorUniform {
     world_from_local: mat4x4<f32>,
+    // What the depths of an oblique view that sees the surface may differ by.
+    depth_noise: f32,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -17,21 +20,25 @@ struct MirrorUniform {
 #endif
 #endif
 
-// The main pass computes the same depth of the same surface by another program, so the two may
-// differ by some units of rounding. 2^-18 of the depth is 64 of them, and 40 micrometres at 10 m.
+// The engine computes the same depth of the same surface by another program, so the two may differ
+// by some units of rounding. 2^-18 of the depth is 64 of them, and 40 micrometres at 10 m.
 const DEPTH_SLACK: f32 = 3.8146973e-6;
 
-fn clip_from_local(position: vec3<f32>) -> vec4<f32> {
+// The place of the surface, moved towards the eye by `side` times the slack.
+fn moved(position: vec3<f32>, side: f32) -> vec4<f32> {
     let world_position = mirror.world_from_local * vec4(position, 1.0);
-    return view.clip_from_world * vec4(world_position.xyz, 1.0);
+    let clip = view.clip_from_world * vec4(world_position.xyz, 1.0);
+    let z = clip.z * (1.0 + side * DEPTH_SLACK) + side * mirror.depth_noise * clip.w;
+    return vec4(clip.xy, z, clip.w);
+}
+
+// Towards the eye, so that a mirror is not hidden by its own material.
+@vertex
+fn mask_vertex(@location(0) position: vec3<f32>) -> @builtin(position) vec4<f32> {
+    return moved(position, 1.0);
 }
 
 #ifdef MASK
-@vertex
-fn mask_vertex(@location(0) position: vec3<f32>) -> @builtin(position) vec4<f32> {
-    return clip_from_local(position);
-}
-
 // Keeps the mask off what the camera sees in front of the mirror, sample by sample.
 @fragment
 fn mask_fragment(
@@ -45,17 +52,20 @@ fn mask_fragment(
 #else
     let seen = textureLoad(main_depth, vec2<i32>(position.xy), 0);
 #endif
-    if position.z * (1.0 + DEPTH_SLACK) < seen {
+    if position.z < seen {
         discard;
     }
 }
 #endif
 
-// A hair away from the eye, so that the mirror's own material still passes the depth test.
+// For draws of which the depth and the stencil are all that matters.
+@fragment
+fn empty_fragment() {}
+
+// Away from the eye, so that the mirror's own material still passes the depth test.
 @vertex
 fn depth_vertex(@location(0) position: vec3<f32>) -> @builtin(position) vec4<f32> {
-    let clip = clip_from_local(position);
-    return vec4(clip.xy, clip.z * (1.0 - DEPTH_SLACK), clip.w);
+    return moved(position, -1.0);
 }
 
 // One triangle over the whole viewport, at the far end of the depth range.

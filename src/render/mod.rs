@@ -112,5 +112,5 @@ pub fn build_render_app(render_app: &mut SubApp) {
 }
 
 fn any_mirrors(mirrors: Res<ExtractedMirrors>) -> bool {
-    !mirrors.0.is_empty()
+    !mirrors.views.is_empty()
 }

@@ -1,4 +1,15 @@
-//! The mirror pass: masks into the stencil, then each reflected view where its id stands.
+//! The mirror pass: each reflected view where its mirror is marked in the stencil.
+//!
+//! The stencil counts reflections: 0 in the camera's own picture, 1 in its mirrors, 2 in mirrors
+//! that are seen in these. A mirror is begun by counting up where it shows, and ended by counting
+//! down again and leaving its surface's depth there. Between the two lies what is seen in it:
+//!
+//! ```text
+//! mark, clear, opaque phases [ each mirror seen in it ] transmissive and transparent phases, unmark
+//! ```
+//!
+//! So the picture in a mirror is made in the order in which the camera's own is, one mirror after
+//! the other, and any number of them needs no more than one stencil value a reflection.
 
 use core::ops::Range;
 
@@ -36,7 +47,7 @@ use bevy::{
 use glam::{UVec2, Vec2};
 
 use super::{
-    prepare::{PreparedMirror, ViewMirrors},
+    prepare::{PreparedMirror, PreparedSurface, ViewMirrors},
     shadow::{MirrorShadowMaps, ShadowCopy, copy_spot_shadows, draw_cascades},
 };
 
@@ -77,9 +88,9 @@ pub struct PassResources<'w, 's> {
 /// Draws the reflections of one camera's mirrors into its picture.
 ///
 /// `Core3d`, after the opaque pass and before transmission and transparency. One render pass for
-/// all mirrors, interrupted only where a view's shadow cascades have to be drawn first; then the
-/// mirrors' surfaces go into the camera's depth, so that transparent objects behind a mirror are
-/// not drawn over its reflection.
+/// all mirrors, interrupted only where a view's shadow cascades have to be drawn first, or where
+/// glass refracts. Then the surfaces of the mirrors that the camera itself sees go into its depth,
+/// so that transparent objects behind a mirror are not drawn over its reflection.
 pub fn mirror_pass(
     world: &World,
     view: ViewQuery<(
@@ -97,15 +108,10 @@ pub fn mirror_pass(
     let Some(clear_pipeline) = resources.pipeline(prepared.clear_pipeline) else {
         return;
     };
-    // A mirror whose surface cannot be drawn yet is left as it is.
-    let mirrors: Vec<Mirror> = prepared
-        .mirrors
-        .iter()
-        .filter_map(|mirror| resources.ready(mirror))
-        .collect();
-    if mirrors.is_empty() {
+    let mirrors = resources.ready_mirrors(prepared, view_offset);
+    let Some(first) = mirrors.first() else {
         return;
-    }
+    };
     let viewport = Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution);
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
@@ -125,43 +131,57 @@ pub fn mirror_pass(
             &mut ctx,
         );
     }
-    resources.draw_cascades(&mirrors[0], world, &mut ctx);
+    resources.draw_cascades(first, world, &mut ctx);
+    let mut lit = first.prepared.view;
     let mut pass = attachments.begin(&mut ctx, true);
-    for mirror in &mirrors {
-        pass.set_stencil_reference(mirror.prepared.id);
-        pass.set_bind_group(1, &prepared.depth_group, &[]);
-        resources.draw_surface(&mut pass, mirror, mirror.mask, prepared, view_offset);
-    }
-    pass.set_render_pipeline(clear_pipeline);
-    pass.set_bind_group(
-        0,
-        &prepared.surface_group,
-        &[view_offset.offset, mirrors[0].prepared.uniform_offset],
-    );
-    pass.set_stencil_reference(0);
-    pass.set_blend_constant(prepared.background);
-    pass.draw(0..3, 0..1);
-
-    for (index, mirror) in mirrors.iter().enumerate() {
-        if index > 0 && mirror.cascades.is_some() {
+    let mut begun: Vec<&Mirror> = Vec::new();
+    for next in mirrors.iter().map(Some).chain([None]) {
+        let outer = next.map_or(0, |next| next.prepared.bounce - 1);
+        while let Some(mirror) = begun.pop_if(|mirror| mirror.prepared.bounce > outer) {
+            let reflection = &mirror.reflection;
+            if reflection.has_late_items() && mirror.cascades.is_some() && lit != reflection.entity
+            {
+                drop(pass);
+                resources.draw_cascades(mirror, world, &mut ctx);
+                lit = reflection.entity;
+                pass = attachments.begin(&mut ctx, false);
+            }
+            attachments.limit(&mut pass, mirror);
+            for items in reflection.transmissive_steps() {
+                // Glass refracts what is in the picture by now: the reflection so far.
+                drop(pass);
+                reflection.copy_for_transmission(target, camera, &mut ctx);
+                pass = attachments.begin(&mut ctx, false);
+                attachments.limit(&mut pass, mirror);
+                reflection.draw_transmissive(&mut pass, world, items);
+            }
+            reflection.draw_transparent(&mut pass, world);
+            // After the last one nobody asks.
+            if next.is_some() || !begun.is_empty() {
+                resources.draw_surfaces(&mut pass, mirror, prepared, |surface| surface.restore);
+            }
+        }
+        let Some(mirror) = next else {
+            break;
+        };
+        if mirror.cascades.is_some() && lit != mirror.reflection.entity {
             drop(pass);
             resources.draw_cascades(mirror, world, &mut ctx);
+            lit = mirror.reflection.entity;
             pass = attachments.begin(&mut ctx, false);
         }
-        let Some(reflection) = resources.reflection(mirror) else {
-            continue;
-        };
         attachments.limit(&mut pass, mirror);
-        reflection.draw_opaque(&mut pass, world);
-        for items in reflection.transmissive_steps() {
-            // Glass refracts what is in the picture by now: the reflection so far.
-            drop(pass);
-            reflection.copy_for_transmission(target, camera, &mut ctx);
-            pass = attachments.begin(&mut ctx, false);
-            attachments.limit(&mut pass, mirror);
-            reflection.draw_transmissive(&mut pass, world, items);
+        pass.set_stencil_reference(u32::from(outer));
+        if outer == 0 {
+            pass.set_bind_group(1, &prepared.depth_group, &[]);
         }
-        reflection.draw_transparent(&mut pass, world);
+        resources.draw_surfaces(&mut pass, mirror, prepared, |surface| surface.mask);
+        pass.set_stencil_reference(u32::from(mirror.prepared.bounce));
+        pass.set_render_pipeline(clear_pipeline);
+        pass.set_blend_constant(prepared.background);
+        pass.draw(0..3, 0..1);
+        mirror.reflection.draw_opaque(&mut pass, world);
+        begun.push(mirror);
     }
     drop(pass);
 
@@ -176,8 +196,8 @@ pub fn mirror_pass(
     if let Some(viewport) = &viewport {
         pass.set_camera_viewport(viewport);
     }
-    for mirror in &mirrors {
-        resources.draw_surface(&mut pass, mirror, mirror.depth, prepared, view_offset);
+    for mirror in mirrors.iter().filter(|mirror| mirror.prepared.bounce == 1) {
+        resources.draw_surfaces(&mut pass, mirror, prepared, |surface| surface.depth);
     }
     drop(pass);
 
@@ -214,7 +234,7 @@ impl Attachments<'_> {
 
     /// Lets the pass draw only where the mirror can be seen.
     fn limit(&self, pass: &mut TrackedRenderPass, mirror: &Mirror) {
-        pass.set_stencil_reference(mirror.prepared.id);
+        pass.set_stencil_reference(u32::from(mirror.prepared.bounce));
         let (min, size) = match self.viewport {
             Some(viewport) => (viewport.physical_position, viewport.physical_size),
             None => {
@@ -248,14 +268,23 @@ fn load_or_clear<V>(clear: bool, value: V) -> Operations<V> {
     }
 }
 
-/// A mirror all of whose own pipelines are there.
+/// A reflected view that can be drawn.
 struct Mirror<'a> {
     prepared: &'a PreparedMirror,
-    mask: &'a RenderPipeline,
-    depth: &'a RenderPipeline,
-    mesh: &'a RenderMesh,
+    /// Of what sees the surfaces.
+    viewer_offset: u32,
+    reflection: Reflection<'a>,
     /// Directional shadows to draw before the reflection.
     cascades: Option<&'a ViewLightEntities>,
+}
+
+/// The surface of a mirror, all of whose pipelines are there.
+struct Surface<'a> {
+    prepared: &'a PreparedSurface,
+    mesh: &'a RenderMesh,
+    mask: &'a RenderPipeline,
+    restore: &'a RenderPipeline,
+    depth: &'a RenderPipeline,
 }
 
 impl PassResources<'_, '_> {
@@ -263,52 +292,104 @@ impl PassResources<'_, '_> {
         self.cache.get_render_pipeline(id)
     }
 
-    fn ready<'a>(&'a self, prepared: &'a PreparedMirror) -> Option<Mirror<'a>> {
+    /// The views to draw, in order. A mirror whose surface cannot be drawn yet is left as it is, and
+    /// with it those that are seen in it.
+    fn ready_mirrors<'a>(
+        &'a self,
+        prepared: &'a ViewMirrors,
+        camera: &ViewUniformOffset,
+    ) -> Vec<Mirror<'a>> {
+        let mut mirrors = Vec::new();
+        let mut left_out = u8::MAX;
+        for mirror in &prepared.mirrors {
+            if mirror.bounce > left_out {
+                continue;
+            }
+            left_out = u8::MAX;
+            match self.ready(mirror, prepared, camera) {
+                Some(mirror) => mirrors.push(mirror),
+                None => left_out = mirror.bounce,
+            }
+        }
+        mirrors
+    }
+
+    fn ready<'a>(
+        &'a self,
+        prepared: &'a PreparedMirror,
+        of_camera: &'a ViewMirrors,
+        camera: &ViewUniformOffset,
+    ) -> Option<Mirror<'a>> {
+        self.surfaces(prepared, of_camera).next()?;
+        let viewer_offset = if prepared.bounce == 1 {
+            camera.offset
+        } else {
+            self.reflected.get(prepared.viewer).ok()?.1.offset
+        };
         let (_, _, cascades, ..) = self.reflected.get(prepared.view).ok()?;
         Some(Mirror {
             prepared,
-            mask: self.pipeline(prepared.mask_pipeline)?,
-            depth: self.pipeline(prepared.depth_pipeline)?,
-            mesh: self.meshes.get(prepared.mesh)?,
+            viewer_offset,
+            reflection: self.reflection(prepared.view)?,
             cascades: cascades.filter(|cascades| !cascades.lights.is_empty()),
         })
     }
 
-    fn draw_surface<'w>(
-        &'w self,
-        pass: &mut TrackedRenderPass<'w>,
-        mirror: &Mirror<'w>,
-        pipeline: &'w RenderPipeline,
-        prepared: &'w ViewMirrors,
-        view_offset: &ViewUniformOffset,
+    fn surfaces<'a>(
+        &'a self,
+        mirror: &PreparedMirror,
+        prepared: &'a ViewMirrors,
+    ) -> impl Iterator<Item = Surface<'a>> {
+        prepared.surfaces[mirror.surfaces.clone()]
+            .iter()
+            .filter_map(|surface| {
+                Some(Surface {
+                    prepared: surface,
+                    mesh: self.meshes.get(surface.mesh)?,
+                    mask: self.pipeline(surface.mask_pipeline)?,
+                    restore: self.pipeline(surface.restore_pipeline)?,
+                    depth: self.pipeline(surface.depth_pipeline)?,
+                })
+            })
+    }
+
+    /// Draws all surfaces of a mirror, as what sees it does.
+    fn draw_surfaces<'a>(
+        &'a self,
+        pass: &mut TrackedRenderPass<'a>,
+        mirror: &Mirror,
+        prepared: &'a ViewMirrors,
+        pipeline: impl Fn(&Surface<'a>) -> &'a RenderPipeline,
     ) {
-        let id = &mirror.prepared.mesh;
-        let Some(vertices) = self.allocator.mesh_vertex_slice(id) else {
-            return;
-        };
-        pass.set_render_pipeline(pipeline);
-        pass.set_bind_group(
-            0,
-            &prepared.surface_group,
-            &[view_offset.offset, mirror.prepared.uniform_offset],
-        );
-        pass.set_vertex_buffer(0, vertices.buffer.slice(..));
-        match mirror.mesh.buffer_info {
-            RenderMeshBufferInfo::Indexed {
-                count,
-                index_format,
-            } => {
-                let Some(indices) = self.allocator.mesh_index_slice(id) else {
-                    return;
-                };
-                pass.set_index_buffer(indices.buffer.slice(..), index_format);
-                pass.draw_indexed(
-                    indices.range.start..indices.range.start + count,
-                    vertices.range.start as i32,
-                    0..1,
-                );
+        for surface in self.surfaces(mirror.prepared, prepared) {
+            let id = &surface.prepared.mesh;
+            let Some(vertices) = self.allocator.mesh_vertex_slice(id) else {
+                continue;
+            };
+            pass.set_render_pipeline(pipeline(&surface));
+            pass.set_bind_group(
+                0,
+                &prepared.surface_group,
+                &[mirror.viewer_offset, surface.prepared.uniform_offset],
+            );
+            pass.set_vertex_buffer(0, vertices.buffer.slice(..));
+            match surface.mesh.buffer_info {
+                RenderMeshBufferInfo::Indexed {
+                    count,
+                    index_format,
+                } => {
+                    let Some(indices) = self.allocator.mesh_index_slice(id) else {
+                        continue;
+                    };
+                    pass.set_index_buffer(indices.buffer.slice(..), index_format);
+                    pass.draw_indexed(
+                        indices.range.start..indices.range.start + count,
+                        vertices.range.start as i32,
+                        0..1,
+                    );
+                }
+                RenderMeshBufferInfo::NonIndexed => pass.draw(vertices.range, 0..1),
             }
-            RenderMeshBufferInfo::NonIndexed => pass.draw(vertices.range, 0..1),
         }
     }
 
@@ -329,9 +410,8 @@ impl PassResources<'_, '_> {
         );
     }
 
-    /// The phases of a mirror's reflected view; `None` if it has gone.
-    fn reflection<'a>(&'a self, mirror: &Mirror) -> Option<Reflection<'a>> {
-        let entity = mirror.prepared.view;
+    /// The phases of a reflected view; `None` if it has gone.
+    fn reflection(&self, entity: Entity) -> Option<Reflection<'_>> {
         let (view, offset, _, skybox, transmission) = self.reflected.get(entity).ok()?;
         let key = &view.retained_view_entity;
         let (settings, transmission) = transmission;
@@ -393,6 +473,15 @@ impl<'a> Reflection<'a> {
             pass.set_bind_group(0, skybox.group, &skybox.offsets);
             pass.draw(0..3, 0..1);
         }
+    }
+
+    /// Whether anything is drawn after the mirrors that are seen in it.
+    fn has_late_items(&self) -> bool {
+        self.transmissive
+            .is_some_and(|phase| !phase.items.is_empty())
+            || self
+                .transparent
+                .is_some_and(|phase| !phase.items.is_empty())
     }
 
     /// The transmissive items, far ones first, in as many steps as the camera takes: each step

@@ -1,5 +1,7 @@
 //! What the mirror pass reads of each camera: textures, pipelines, bind groups.
 
+use core::ops::Range;
+
 use bevy::{
     asset::AssetId,
     camera::{ClearColor, ClearColorConfig, CompositingSpace},
@@ -23,8 +25,8 @@ use bevy::{
 use glam::{Mat4, Vec2};
 
 use super::{
-    extract::ExtractedMirrors,
-    mask::{MirrorPipelines, PassKey, SpecializedMasks, Surface},
+    extract::{ExtractedMirrorView, ExtractedMirrors},
+    mask::{MirrorPipelines, PassKey, SpecializedMasks, SurfaceDraw},
     variant::StencilVariants,
 };
 use crate::view::DepthRange;
@@ -33,6 +35,7 @@ use crate::view::DepthRange;
 #[derive(ShaderType)]
 pub struct MirrorUniform {
     world_from_local: Mat4,
+    depth_noise: f32,
 }
 
 /// The uniforms of all surfaces of the frame.
@@ -48,23 +51,35 @@ pub struct ViewMirrors {
     pub clear_pipeline: CachedRenderPipelineId,
     /// What a reflection shows where nothing is: the camera's own clear color.
     pub background: LinearRgba,
+    /// In the order of [`ExtractedMirrors::views`].
     pub mirrors: Vec<PreparedMirror>,
+    /// The surfaces of all of them.
+    pub surfaces: Vec<PreparedSurface>,
 }
 
-/// One mirror of a camera.
+/// A reflected view of a camera.
 pub struct PreparedMirror {
+    /// The camera or the reflected view that sees the surfaces.
+    pub viewer: Entity,
     /// The reflected view, whose phases are drawn.
     pub view: Entity,
-    /// The stencil value of its pixels, from 1.
-    pub id: u32,
-    pub mesh: AssetId<Mesh>,
-    pub mask_pipeline: CachedRenderPipelineId,
-    pub depth_pipeline: CachedRenderPipelineId,
-    pub uniform_offset: u32,
-    /// The lowest and the highest device coordinates of what is seen of the mirror.
+    /// How many reflections it is away from the camera, from 1: the stencil value of its pixels.
+    pub bounce: u8,
+    /// Which of the surfaces are its own.
+    pub surfaces: Range<usize>,
+    /// The lowest and the highest device coordinates of what is seen of the surfaces.
     pub ndc_bounds: (Vec2, Vec2),
     /// Which shadow cascades the reflection reads.
     pub depths: DepthRange,
+}
+
+/// The surface of a mirror.
+pub struct PreparedSurface {
+    pub mesh: AssetId<Mesh>,
+    pub uniform_offset: u32,
+    pub mask_pipeline: CachedRenderPipelineId,
+    pub restore_pipeline: CachedRenderPipelineId,
+    pub depth_pipeline: CachedRenderPipelineId,
 }
 
 /// Takes [`ViewMirrors`] off cameras that show none any more.
@@ -74,7 +89,7 @@ pub fn forget_mirrors(
     cameras: Query<Entity, With<ViewMirrors>>,
 ) {
     for camera in &cameras {
-        if !mirrors.0.iter().any(|mirror| mirror.camera == camera) {
+        if !mirrors.views.iter().any(|mirror| mirror.camera == camera) {
             commands.entity(camera).remove::<ViewMirrors>();
         }
     }
@@ -102,15 +117,15 @@ pub fn prepare_mirrors(
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
 ) {
     uniforms.0.clear();
-    let offsets: Vec<u32> = mirrors
-        .0
-        .iter()
-        .map(|mirror| {
-            uniforms.0.push(&MirrorUniform {
-                world_from_local: mirror.world_from_local,
-            })
-        })
-        .collect();
+    let mut offsets = Vec::with_capacity(mirrors.surfaces.len());
+    for mirror in &mirrors.views {
+        for surface in &mirrors.surfaces[mirror.surfaces.clone()] {
+            offsets.push(uniforms.0.push(&MirrorUniform {
+                world_from_local: surface.world_from_local,
+                depth_noise: mirror.depth_noise,
+            }));
+        }
+    }
     uniforms.0.write_buffer(&device, &queue);
     let (Some(view_binding), Some(mirror_binding)) =
         (view_uniforms.uniforms.binding(), uniforms.0.binding())
@@ -123,9 +138,7 @@ pub fn prepare_mirrors(
         &BindGroupEntries::sequential((view_binding, mirror_binding)),
     );
 
-    let mut offsets = offsets.into_iter();
-    for of_camera in mirrors.0.chunk_by(|a, b| a.camera == b.camera) {
-        let offsets: Vec<u32> = offsets.by_ref().take(of_camera.len()).collect();
+    for of_camera in mirrors.views.chunk_by(|a, b| a.camera == b.camera) {
         let entity = of_camera[0].camera;
         let Ok((camera, view, msaa, depth)) = cameras.get(entity) else {
             continue;
@@ -151,27 +164,47 @@ pub fn prepare_mirrors(
                 view_formats: &[],
             },
         );
-        let prepared =
-            of_camera
-                .iter()
-                .zip(offsets)
-                .zip(1..)
-                .filter_map(|((mirror, uniform_offset), id)| {
-                    let mesh = meshes.get(mirror.mesh)?;
-                    let mut pipeline =
-                        |surface| masks.surface(&cache, &pipelines, surface, pass, mesh);
-                    Some(PreparedMirror {
-                        view: mirror.view,
-                        id,
-                        mesh: mirror.mesh,
-                        mask_pipeline: pipeline(Surface::Mask)?,
-                        depth_pipeline: pipeline(Surface::Depth)?,
-                        uniform_offset,
-                        ndc_bounds: mirror.ndc_bounds,
-                        depths: mirror.depths,
-                    })
-                });
-        let mirrors = prepared.collect();
+        let mut surfaces = Vec::new();
+        let mut prepare_surfaces = |mirror: &ExtractedMirrorView| {
+            let first = surfaces.len();
+            for index in mirror.surfaces.clone() {
+                let id = mirrors.surfaces[index].mesh;
+                let Some(mesh) = meshes.get(id) else {
+                    continue;
+                };
+                let mut pipeline = |draw| masks.surface(&cache, &pipelines, draw, pass, mesh);
+                let mask = if mirror.bounce == 1 {
+                    SurfaceDraw::Mask
+                } else {
+                    SurfaceDraw::InnerMask
+                };
+                if let (Some(mask_pipeline), Some(restore_pipeline), Some(depth_pipeline)) = (
+                    pipeline(mask),
+                    pipeline(SurfaceDraw::Restore),
+                    pipeline(SurfaceDraw::Depth),
+                ) {
+                    surfaces.push(PreparedSurface {
+                        mesh: id,
+                        uniform_offset: offsets[index],
+                        mask_pipeline,
+                        restore_pipeline,
+                        depth_pipeline,
+                    });
+                }
+            }
+            first..surfaces.len()
+        };
+        let mirrors = of_camera
+            .iter()
+            .map(|mirror| PreparedMirror {
+                viewer: mirror.viewer,
+                view: mirror.view,
+                bounce: mirror.bounce,
+                surfaces: prepare_surfaces(mirror),
+                ndc_bounds: mirror.ndc_bounds,
+                depths: mirror.depths,
+            })
+            .collect();
         commands.entity(entity).insert(ViewMirrors {
             depth_stencil,
             surface_group: surface_group.clone(),
@@ -183,6 +216,7 @@ pub fn prepare_mirrors(
             clear_pipeline: masks.clear(&cache, &pipelines, pass),
             background: background(camera, &clear_color),
             mirrors,
+            surfaces,
         });
     }
 }

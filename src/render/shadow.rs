@@ -66,7 +66,8 @@ pub fn init_shadow_copy(mut commands: Commands, assets: Res<AssetServer>) {
         shader: load_embedded_asset!(assets.as_ref(), "shadow_copy.wgsl"),
         pipeline: None,
     });
-    commands.init_resource::<MirrorShadowMaps>();
+    // Also after a lost device, of which nothing may be left.
+    commands.insert_resource(MirrorShadowMaps::default());
 }
 
 impl ShadowCopy {
@@ -119,7 +120,7 @@ pub fn prepare_mirror_shadows(
         .max()
         .unwrap_or(0);
     let mut own: Option<(Texture, TextureView)> = None;
-    for mirror in &mirrors.0 {
+    for mirror in &mirrors.views {
         let Ok((lights_of_view, mut binding)) = bindings.get_mut(mirror.view) else {
             continue;
         };

@@ -37,7 +37,7 @@ pub fn prepare_mirror_transmission(
     device: Res<RenderDevice>,
 ) {
     let mut of_cameras = HashMap::<Entity, _>::default();
-    for mirror in &mirrors.0 {
+    for mirror in &mirrors.views {
         let (Ok((view, settings, has_texture)), Ok((camera, main_view))) =
             (views.get(mirror.view), cameras.get(mirror.camera))
         else {

@@ -2,9 +2,10 @@
 //!
 //! The engine's pipelines for 3D phases are made for a depth attachment without a stencil, and a
 //! render pass wants the formats to be equal. A *variant* is a pipeline's own descriptor with the
-//! depth-stencil format of the mirror pass, a test for the mirror's id, and the front face
-//! flipped: a reflection turns the winding around. Flipping the front face rather than the culled
-//! one is right for every material, for two-sided lighting, and when nothing is culled.
+//! depth-stencil format of the mirror pass, a test for the depth of the reflection, and after an odd
+//! number of reflections the front face flipped: each turns the winding around. Flipping the front
+//! face rather than the culled one is right for every material, for two-sided lighting, and when
+//! nothing is culled.
 
 use bevy::{
     core_pipeline::{
@@ -29,15 +30,15 @@ use bevy::{
     },
 };
 
-use super::extract::ExtractedMirrors;
+use super::extract::{ExtractedMirrorView, ExtractedMirrors};
 
 /// The variants made so far, and the depth-stencil format they are made for.
 #[derive(Resource)]
 pub struct StencilVariants {
     /// `Depth32FloatStencil8` where the device has it: the depth of the main pass, exactly.
     pub format: TextureFormat,
-    /// base -> variant, and the pass that both fit.
-    variants: HashMap<CachedRenderPipelineId, (CachedRenderPipelineId, PassFormat)>,
+    /// base, and whether it is flipped -> variant, and the pass that both fit.
+    variants: HashMap<(CachedRenderPipelineId, bool), (CachedRenderPipelineId, PassFormat)>,
     /// variant -> base.
     bases: HashMap<CachedRenderPipelineId, CachedRenderPipelineId>,
     /// Pipelines that other plugins queued by themselves.
@@ -63,30 +64,13 @@ impl FromWorld for StencilVariants {
     }
 }
 
-impl StencilVariants {
-    /// [`Self::variant`] of what is not one yet: an item that another plugin has queued.
-    fn foreign_variant(
-        &mut self,
-        base: CachedRenderPipelineId,
-        pass: PassFormat,
-        cache: &mut PipelineCache,
-    ) -> Option<CachedRenderPipelineId> {
-        self.foreign.insert(base);
-        self.variant(base, pass, cache)
-    }
-
-    /// What to put back in place of a variant once the frame is drawn.
-    fn restore_foreign(&self, variant: CachedRenderPipelineId) -> Option<CachedRenderPipelineId> {
-        let base = self.bases.get(&variant)?;
-        self.foreign.contains(base).then_some(*base)
-    }
-}
-
 /// What a pipeline must agree with to be used in a camera's mirror pass.
 #[derive(Clone, Copy, PartialEq)]
 struct PassFormat {
     color: TextureFormat,
     samples: u32,
+    /// Whether the front face is flipped.
+    is_flipped: bool,
 }
 
 impl StencilVariants {
@@ -101,7 +85,7 @@ impl StencilVariants {
         if self.bases.contains_key(&base) {
             return Some(base);
         }
-        if let Some(&(variant, made_for)) = self.variants.get(&base)
+        if let Some(&(variant, made_for)) = self.variants.get(&(base, pass.is_flipped))
             && made_for == pass
         {
             return Some(variant);
@@ -122,9 +106,27 @@ impl StencilVariants {
             return None;
         };
         let variant = cache.queue_render_pipeline(variant);
-        self.variants.insert(base, (variant, pass));
+        self.variants
+            .insert((base, pass.is_flipped), (variant, pass));
         self.bases.insert(variant, base);
         Some(variant)
+    }
+
+    /// [`Self::variant`] of what is not one yet: an item that another plugin has queued.
+    fn foreign_variant(
+        &mut self,
+        base: CachedRenderPipelineId,
+        pass: PassFormat,
+        cache: &mut PipelineCache,
+    ) -> Option<CachedRenderPipelineId> {
+        self.foreign.insert(base);
+        self.variant(base, pass, cache)
+    }
+
+    /// What to put back in place of a variant once the frame is drawn.
+    fn restore_foreign(&self, variant: CachedRenderPipelineId) -> Option<CachedRenderPipelineId> {
+        let base = self.bases.get(&variant)?;
+        self.foreign.contains(base).then_some(*base)
     }
 }
 
@@ -158,10 +160,12 @@ fn stencil_variant(
     let depth_stencil = variant.depth_stencil.as_mut()?;
     depth_stencil.format = format;
     depth_stencil.stencil = equal_stencil();
-    variant.primitive.front_face = match base.primitive.front_face {
-        FrontFace::Ccw => FrontFace::Cw,
-        FrontFace::Cw => FrontFace::Ccw,
-    };
+    if pass.is_flipped {
+        variant.primitive.front_face = match base.primitive.front_face {
+            FrontFace::Ccw => FrontFace::Cw,
+            FrontFace::Cw => FrontFace::Ccw,
+        };
+    }
     variant.label = base
         .label
         .as_ref()
@@ -171,10 +175,11 @@ fn stencil_variant(
 
 type MirrorViews<'w, 's> = Query<'w, 's, (&'static ExtractedView, &'static Msaa)>;
 
-fn pass_format(view: &ExtractedView, msaa: &Msaa) -> PassFormat {
+fn pass_format(mirror: &ExtractedMirrorView, view: &ExtractedView, msaa: &Msaa) -> PassFormat {
     PassFormat {
         color: view.target_format,
         samples: msaa.samples(),
+        is_flipped: mirror.bounce % 2 == 1,
     }
 }
 
@@ -186,14 +191,14 @@ pub fn vary_material_pipelines(
     mut variants: ResMut<StencilVariants>,
     mut cache: ResMut<PipelineCache>,
 ) {
-    for mirror in &mirrors.0 {
+    for mirror in &mirrors.views {
         let Ok((view, msaa)) = views.get(mirror.view) else {
             continue;
         };
         let Some(pipelines) = specialized.get_mut(&view.retained_view_entity) else {
             continue;
         };
-        let format = pass_format(view, msaa);
+        let format = pass_format(mirror, view, msaa);
         pipelines.retain(
             |_, pipeline| match variants.variant(*pipeline, format, &mut cache) {
                 Some(variant) => {
@@ -225,11 +230,11 @@ pub fn vary_queued_items(
     mut variants: ResMut<StencilVariants>,
     mut cache: ResMut<PipelineCache>,
 ) {
-    for mirror in &mirrors.0 {
+    for mirror in &mirrors.views {
         let Ok((mut view, msaa)) = views.get_mut(mirror.view) else {
             continue;
         };
-        let format = pass_format(&view, msaa);
+        let format = pass_format(mirror, &view, msaa);
         let key = &view.retained_view_entity;
         let mut met = false;
         let mut vary = |pipeline: &mut CachedRenderPipelineId| {
@@ -271,7 +276,7 @@ pub fn restore_queued_items(
         *pipeline = variants.restore_foreign(*pipeline).unwrap_or(*pipeline);
         true
     };
-    for mirror in &mirrors.0 {
+    for mirror in &mirrors.views {
         let Ok((view, _)) = views.get(mirror.view) else {
             continue;
         };
@@ -331,10 +336,11 @@ pub fn vary_skyboxes(
     mut variants: ResMut<StencilVariants>,
     mut cache: ResMut<PipelineCache>,
 ) {
-    for mirror in &mirrors.0 {
+    for mirror in &mirrors.views {
         if let (Ok((view, msaa)), Ok(mut skybox)) =
             (views.get(mirror.view), skyboxes.get_mut(mirror.view))
-            && let Some(variant) = variants.variant(skybox.0, pass_format(view, msaa), &mut cache)
+            && let Some(variant) =
+                variants.variant(skybox.0, pass_format(mirror, view, msaa), &mut cache)
         {
             skybox.0 = variant;
         }

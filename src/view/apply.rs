@@ -12,10 +12,7 @@ use bevy::{
 };
 use glam::DAffine3;
 
-use super::{
-    Decision, DepthRange, PlannedView, ReflectedView, ReflectedViews, ViewEntity,
-    copy::copy_camera_components,
-};
+use super::{PlannedView, ReflectedView, ReflectedViews, copy::copy_camera_components};
 use crate::math::{Plane, narrowed_sides, reflect_vector};
 
 /// So many views Bevy tells what is in its `VisibilityRange`, and it does not ask us which.
@@ -28,54 +25,73 @@ const RANGED_VIEWS: usize = 32;
 /// projections of this very frame are used.
 pub fn apply_reflected_views(world: &mut World) {
     world.resource_scope(|world, mut views: Mut<ReflectedViews>| {
-        let ReflectedViews {
-            decisions,
-            entities,
-            users_views,
-            some_wait,
-            ..
-        } = &mut *views;
-        let mut ranged = *users_views;
-        for view in entities.values_mut() {
-            view.wanted = false;
+        let views = &mut *views;
+        let mut ranged = views.users_views;
+        for wanted in views.wanted.values_mut() {
+            *wanted = false;
         }
-        let drawn = decisions
-            .iter()
-            .filter_map(|decision| Some((decision, decision.view.as_ref().ok()?)));
-        for (index, (&Decision { camera, mirror, .. }, planned)) in drawn.enumerate() {
-            let known = entities
-                .get(&(camera, mirror))
-                .map(|view| view.entity)
-                // Somebody may have cleared the world.
-                .filter(|view| world.get_entity(*view).is_ok());
-            let entity = known.unwrap_or_else(|| spawn_view(world, camera, mirror));
-            // Observers of new cameras have run by now, and may have despawned either.
-            let alive = |entity| world.get_entity(entity).is_ok();
-            let wanted = alive(camera) && alive(entity);
-            entities.insert((camera, mirror), ViewEntity { entity, wanted });
-            if wanted {
-                copy_camera_components(world, camera, entity, known.is_none());
-                update_view(world, camera, entity, planned, index);
-                ranged += 1;
-                if ranged <= RANGED_VIEWS {
-                    world.entity_mut(entity).remove::<Disabled>();
-                }
+        for index in 0..views.planned.len() {
+            let Some((viewer, view)) = entity_of(world, views, index) else {
+                continue;
+            };
+            views.planned[index].entity = Some(view);
+            update_view(world, viewer, view, &views.planned[index], index);
+            ranged += 1;
+            if ranged <= RANGED_VIEWS {
+                world.entity_mut(view).remove::<Disabled>();
             }
         }
-        *some_wait = ranged > RANGED_VIEWS;
-        entities.retain(|_, view| {
-            if !view.wanted
-                && let Ok(mut view) = world.get_entity_mut(view.entity)
-            {
+        views.some_wait = ranged > RANGED_VIEWS;
+        let wanted = &mut views.wanted;
+        views
+            .entities
+            .retain(|_, view| wanted.get(view) == Some(&true));
+        wanted.retain(|&view, wanted| {
+            if !*wanted && let Ok(mut view) = world.get_entity_mut(view) {
                 // No camera any more, before observers of its removal can look it up.
                 view.remove::<(Camera, Camera3d)>();
                 // What is disabled when it goes is not missed by the render world.
                 view.remove::<Disabled>();
                 view.despawn();
             }
-            view.wanted
+            *wanted
         });
     });
+}
+
+/// What sees a planned view's mirrors, and the entity of the view: the one that showed any of these
+/// mirrors before, else a new one. It looks as its camera does.
+fn entity_of(
+    world: &mut World,
+    views: &mut ReflectedViews,
+    index: usize,
+) -> Option<(Entity, Entity)> {
+    let planned = &views.planned[index];
+    let camera = planned.camera;
+    let viewer = match planned.viewer {
+        None => camera,
+        Some(outer) => views.planned[outer].entity?,
+    };
+    let mirrors = &views.surfaces[planned.mirrors.clone()];
+    let known = mirrors
+        .iter()
+        .filter_map(|mirror| views.entities.get(&(viewer, *mirror)).copied())
+        // Mirrors that were in one plane and are not any more have one view between them; and
+        // somebody may have cleared the world.
+        .find(|view| views.wanted.get(view) == Some(&false) && world.get_entity(*view).is_ok());
+    let view = known.unwrap_or_else(|| spawn_view(world, viewer, mirrors[0]));
+    // Observers of new cameras have run by now, and may have despawned either.
+    let alive = |entity| world.get_entity(entity).is_ok();
+    let is_wanted = alive(camera) && alive(viewer) && alive(view);
+    views.wanted.insert(view, is_wanted);
+    if !is_wanted {
+        return None;
+    }
+    for mirror in mirrors {
+        views.entities.insert((viewer, *mirror), view);
+    }
+    copy_camera_components(world, camera, view, known.is_none());
+    Some((viewer, view))
 }
 
 /// Takes the reflected views out of every query again.
@@ -100,22 +116,15 @@ pub fn enable_reflected_views(world: &mut World) {
 
 fn all(world: &World) -> Vec<Entity> {
     let views = world.resource::<ReflectedViews>();
-    views.entities.values().map(|view| view.entity).collect()
+    views.wanted.keys().copied().collect()
 }
 
-fn spawn_view(world: &mut World, camera: Entity, mirror: Entity) -> Entity {
+fn spawn_view(world: &mut World, viewer: Entity, mirror: Entity) -> Entity {
     let view = world.spawn((
         // From the start, so that an observer that looks up what was added by a query finds nothing.
         Disabled,
-        Name::new(format!("reflected view of {camera} in {mirror}")),
-        ReflectedView {
-            camera,
-            mirror,
-            clip_from_view: Default::default(),
-            clip_unbounded: None,
-            ndc_bounds: Default::default(),
-            depths: DepthRange::EVERYTHING,
-        },
+        Name::new(format!("reflected view of {viewer} in {mirror}")),
+        ReflectedView,
         Camera3d::default(),
         // Its phases are drawn in the user's camera's schedule, where indirect parameters that
         // were prepared for another view are gone.
@@ -131,22 +140,22 @@ fn spawn_view(world: &mut World, camera: Entity, mirror: Entity) -> Entity {
 
 fn update_view(
     world: &mut World,
-    camera: Entity,
+    viewer: Entity,
     view: Entity,
     planned: &PlannedView,
     index: usize,
 ) {
-    let main = world.entity(camera);
-    let (Some(main_camera), Some(main_3d), Some(main_frustum)) = (
+    let main = world.entity(planned.camera);
+    let (Some(main_camera), Some(main_3d), Some(frustum)) = (
         main.get::<Camera>(),
         main.get::<Camera3d>(),
-        main.get::<Frustum>(),
+        world.entity(viewer).get::<Frustum>(),
     ) else {
         return;
     };
     let main_camera = main_camera.clone();
     let main_3d = main_3d.clone();
-    let frustum = narrowed_frustum(planned, &main_camera, main_frustum);
+    let frustum = narrowed_frustum(planned, &main_camera, frustum);
     let size = main_camera.physical_target_size().unwrap_or_default();
     let camera = Camera {
         // Before every camera of the user's, and no two alike: Bevy warns of equal orders.
@@ -182,19 +191,20 @@ fn single(affine: &DAffine3) -> Affine3A {
 
 /// The half-spaces that hold all that can show in the mirror: its plane for the near plane (the
 /// camera's own test of it is never true for an oblique projection), and sides through the
-/// bounds of what is seen of the mirror. The far half-space is the camera's, reflected.
-fn narrowed_frustum(planned: &PlannedView, camera: &Camera, main: &Frustum) -> Frustum {
+/// bounds of what is seen of the mirror. The far half-space is that of what sees the mirror,
+/// reflected.
+fn narrowed_frustum(planned: &PlannedView, camera: &Camera, viewer: &Frustum) -> Frustum {
     let plan = &planned.plan;
     let viewport = camera
         .physical_viewport_size()
         .unwrap_or_default()
         .as_dvec2();
     let clip_from_view = camera.clip_from_view().as_dmat4();
-    let sides = narrowed_sides(&plan.polygon, &clip_from_view, viewport);
+    let sides = narrowed_sides(planned.ndc_bounds, &clip_from_view, viewport);
     // Planes are covectors: they go to world space by the inverse transpose.
     let world_from_view = glam::DMat4::from(plan.world_from_view);
     let to_world = world_from_view.inverse().transpose();
-    let mut half_spaces = main.half_spaces;
+    let mut half_spaces = viewer.half_spaces;
     for (half_space, side) in half_spaces.iter_mut().zip(sides) {
         *half_space = HalfSpace::new((to_world * side).as_vec4());
     }

@@ -28,7 +28,7 @@ type Bounds<'a> = (&'a GlobalTransform, Option<&'a Aabb>, Has<NoFrustumCulling>)
 /// plane, and cuts at the plane only if something crosses it.
 pub fn clip_reflected_views(
     mut views: ResMut<ReflectedViews>,
-    mut reflected: Query<(&mut ReflectedView, &mut VisibleEntities, &Camera)>,
+    mut reflected: Query<(&mut VisibleEntities, &Camera), With<ReflectedView>>,
     objects: Query<Bounds>,
     // What the GPU alone culls is in no list here, and may be anywhere.
     uncounted: Query<(), With<NoCpuCulling>>,
@@ -36,20 +36,15 @@ pub fn clip_reflected_views(
     decals: Query<(), With<ForwardDecal>>,
 ) {
     let ReflectedViews {
-        decisions,
-        entities,
-        ..
+        planned, surfaces, ..
     } = &mut *views;
-    for decision in decisions {
-        let Ok(planned) = &mut decision.view else {
+    for planned in planned {
+        let Some((mut visible, camera)) =
+            planned.entity.and_then(|view| reflected.get_mut(view).ok())
+        else {
             continue;
         };
-        let Some(view) = entities.get(&(decision.camera, decision.mirror)) else {
-            continue;
-        };
-        let Ok((mut reflected, mut visible, camera)) = reflected.get_mut(view.entity) else {
-            continue;
-        };
+        let mirrors = &surfaces[planned.mirrors.clone()];
         let clip_from_view = camera.clip_from_view();
         let view_from_world = DMat4::from(planned.plan.world_from_view.inverse());
         let rows = DepthRows {
@@ -64,32 +59,30 @@ pub fn clip_reflected_views(
                 DepthRange::EVERYTHING
             },
         };
+        let mut objects_in_view = 0;
         for (class, visible) in &mut visible.entities {
             // Lights and decals reach farther than their bounds.
             if *class == TypeId::of::<ClusterVisibilityClass>() {
                 continue;
             }
             visible.retain(|&entity| match objects.get(entity) {
-                _ if entity == decision.mirror || decals.contains(entity) => false,
+                _ if mirrors.binary_search(&entity).is_ok() || decals.contains(entity) => false,
                 Ok(bounds) => seen.shows(bounds, planned, &rows),
                 Err(_) => true,
             });
+            objects_in_view += visible.len();
         }
         planned.projection = match planned.clip {
             MirrorClip::Auto if !seen.crossed => Projection::Plain,
             MirrorClip::Auto | MirrorClip::Oblique => Projection::Oblique,
             MirrorClip::Whole => Projection::Plain,
         };
-        reflected.clip_unbounded = (planned.clip == MirrorClip::Auto)
-            .then(|| planned.plan.clip_from_view_oblique.as_mat4());
-        planned.depths = seen.depths;
-        let (low, high) = planned.plan.polygon.ndc_bounds();
-        reflected.clip_from_view = match planned.projection {
+        planned.clip_from_view = match planned.projection {
             Projection::Plain => clip_from_view,
             Projection::Oblique => planned.plan.clip_from_view_oblique.as_mat4(),
         };
-        reflected.ndc_bounds = (low.as_vec2(), high.as_vec2());
-        reflected.depths = seen.depths;
+        planned.depths = seen.depths;
+        planned.objects = objects_in_view;
     }
 }
 

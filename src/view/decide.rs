@@ -13,28 +13,37 @@ use bevy::{
     render::camera::TemporalJitter,
     transform::components::GlobalTransform,
 };
-use glam::{DAffine3, DMat4, DVec2, DVec3};
+use glam::{DAffine3, DMat4, DVec2};
 
-use super::{Decision, DepthRange, PlannedView, ReflectedView, ReflectedViews, fit::MirrorPatches};
-use crate::{
-    math::{PlanarPatch, Plane, Skip, ViewInput, plan_reflected_view, transform_patch},
-    mirror::{MirrorPlane, NoMirrors, PlanarMirror},
-    status::{NotDrawn, Projection},
+use super::{
+    Decision, MirrorLimits, ReflectedView, ReflectedViews,
+    fit::MirrorPatches,
+    sight::{MirrorInput, Sight, Viewer},
 };
-
-/// Stencil values are 8 bits wide, and 0 is "no mirror".
-pub const MAX_MIRRORS: usize = 255;
+use crate::{
+    math::{Opening, PlanarPatch, transform_patch},
+    mirror::{MirrorPlane, NoMirrors, PlanarMirror},
+    status::NotDrawn,
+};
 
 /// A user's camera, widened to the precision of the maths.
 pub struct CameraInput {
-    entity: Entity,
-    layers: RenderLayers,
-    view: Result<(DAffine3, DMat4, DVec2), NotDrawn>,
+    pub entity: Entity,
+    pub layers: RenderLayers,
+    pub view: Result<CameraView, NotDrawn>,
     /// A jittered camera looks up to half a pixel beside its projection.
-    jitter_px: f64,
+    pub jitter_px: f64,
 }
 
-/// Pairs every mirror with every camera that may see it.
+#[derive(Clone, Copy)]
+pub struct CameraView {
+    pub world_from_view: DAffine3,
+    pub clip_from_view: DMat4,
+    /// In physical pixels.
+    pub viewport_size: DVec2,
+}
+
+/// Pairs every mirror with every camera that may see it, and what sees mirrors in mirrors.
 pub fn decide_reflected_views(
     cameras: Query<
         (
@@ -59,13 +68,23 @@ pub fn decide_reflected_views(
     ranged: Query<(), Or<(With<Camera>, With<ShadowLodOrigin>)>>,
     meshes: Option<Res<Assets<Mesh>>>,
     patches: Res<MirrorPatches>,
-    mut inputs: Local<Vec<CameraInput>>,
+    limits: Res<MirrorLimits>,
+    mut camera_inputs: Local<Vec<CameraInput>>,
+    mut mirror_inputs: Local<Vec<MirrorInput>>,
+    mut sight: Local<Sight>,
     mut views: ResMut<ReflectedViews>,
 ) {
+    let views = &mut *views;
     views.decisions.clear();
+    views.planned.clear();
+    views.surfaces.clear();
+    camera_inputs.clear();
+    mirror_inputs.clear();
+    if mirrors.is_empty() {
+        return;
+    }
     views.users_views = ranged.iter().count();
-    inputs.clear();
-    inputs.extend(
+    camera_inputs.extend(
         cameras
             .iter()
             .filter(|(_, camera, ..)| camera.is_active)
@@ -78,53 +97,97 @@ pub fn decide_reflected_views(
                 },
             ),
     );
-
     // The order of archetypes changes with unrelated components; a status must not.
-    inputs.sort_unstable_by_key(|camera| camera.entity);
+    camera_inputs.sort_unstable_by_key(|camera| camera.entity);
 
-    for (mirror, settings, transform, visible, mesh, layers, aabb) in &mirrors {
-        let world_from_local = transform.affine().as_daffine3();
-        let is_loaded = |mesh: &Mesh3d| meshes.as_ref().is_some_and(|m| m.contains(mesh));
-        let mesh = mesh.filter(|mesh| is_loaded(mesh));
-        let patch = mirror_patch(settings, mesh, aabb, &patches).and_then(|patch| {
-            transform_patch(&patch, &world_from_local).ok_or(NotDrawn::DegenerateTransform)
-        });
-        let no_layers = RenderLayers::default();
-        let layers = layers.unwrap_or(&no_layers);
-        for camera in inputs.iter() {
-            let view = if !views.can_draw {
+    let is_loaded = |mesh: &Mesh3d| meshes.as_ref().is_some_and(|m| m.contains(mesh));
+    mirror_inputs.extend(mirrors.iter().map(
+        |(entity, settings, transform, visible, mesh, layers, aabb)| MirrorInput {
+            entity,
+            clip: settings.clip,
+            shadows: settings.shadows,
+            layers: layers.cloned().unwrap_or_default(),
+            place: if !views.can_draw {
                 Err(NotDrawn::NoRenderer)
             } else if !visible.get() {
                 Err(NotDrawn::Hidden)
-            } else if !camera.layers.intersects(layers) {
-                Err(NotDrawn::OtherLayers)
             } else {
-                plan(camera, &patch).map(|(plane, plan)| PlannedView {
-                    plane,
-                    plan,
-                    clip: settings.clip,
-                    projection: Projection::Plain,
-                    depths: DepthRange::EVERYTHING,
+                let mesh = mesh.filter(|mesh| is_loaded(mesh));
+                mirror_patch(settings, mesh, aabb, &patches).and_then(|patch| {
+                    transform_patch(&patch, &transform.affine().as_daffine3())
+                        .ok_or(NotDrawn::DegenerateTransform)
                 })
-            };
-            views.decisions.push(Decision {
+            },
+        },
+    ));
+    for mirror in mirror_inputs.iter() {
+        views
+            .decisions
+            .extend(camera_inputs.iter().map(|camera| Decision {
                 camera: camera.entity,
-                mirror,
-                view,
-            });
-        }
+                mirror: mirror.entity,
+                view: Err(NotDrawn::OtherLayers),
+            }));
     }
-    for camera in inputs.iter() {
-        keep_nearest(&mut views.decisions, camera);
+
+    for (index, camera) in camera_inputs.iter().enumerate() {
+        let first = views.planned.len();
+        let decisions = &mut views.decisions;
+        let viewer = Viewer {
+            camera,
+            view: camera.view,
+            opening: Opening::SCREEN,
+            viewer: None,
+            bounce: 1,
+            max_views: limits.max_views,
+        };
+        sight.see(
+            &viewer,
+            &mirror_inputs,
+            &mut views.planned,
+            &mut views.surfaces,
+            |mirror, view| decisions[mirror * camera_inputs.len() + index].view = view,
+        );
+        // What is planned on the way is looked at in its turn.
+        let mut next = first;
+        while next < views.planned.len() {
+            let outer = &views.planned[next];
+            if outer.bounce < limits.max_bounces {
+                let (low, high) = outer.ndc_bounds;
+                let viewer = Viewer {
+                    camera,
+                    view: camera.view.map(|view| CameraView {
+                        world_from_view: outer.plan.world_from_view,
+                        ..view
+                    }),
+                    opening: Opening {
+                        low,
+                        high,
+                        plane_view: Some(outer.plan.plane_view),
+                    },
+                    viewer: Some(next),
+                    bounce: outer.bounce + 1,
+                    max_views: limits.max_views.saturating_sub(views.planned.len() - first),
+                };
+                sight.see(
+                    &viewer,
+                    &mirror_inputs,
+                    &mut views.planned,
+                    &mut views.surfaces,
+                    |_, _| {},
+                );
+            }
+            next += 1;
+        }
     }
 }
 
-/// The camera as the maths wants it: `world_from_view`, `clip_from_view`, viewport in pixels.
+/// The camera as the maths wants it.
 fn camera_view(
     camera: &Camera,
     transform: &GlobalTransform,
     deferred: bool,
-) -> Result<(DAffine3, DMat4, DVec2), NotDrawn> {
+) -> Result<CameraView, NotDrawn> {
     if deferred {
         return Err(NotDrawn::DeferredCamera);
     }
@@ -135,11 +198,11 @@ fn camera_view(
         (Some(viewport), Some(target))
             if viewport.min_element() > 0 && target.min_element() > 0 =>
         {
-            Ok((
-                transform.affine().as_daffine3(),
-                camera.clip_from_view().as_dmat4(),
-                viewport.as_dvec2(),
-            ))
+            Ok(CameraView {
+                world_from_view: transform.affine().as_daffine3(),
+                clip_from_view: camera.clip_from_view().as_dmat4(),
+                viewport_size: viewport.as_dvec2(),
+            })
         }
         _ => Err(NotDrawn::NoTarget),
     }
@@ -159,51 +222,5 @@ fn mirror_patch(
             PlanarPatch::from_point_and_normal(point.as_dvec3(), normal.as_dvec3(), bounds)
                 .ok_or(NotDrawn::DegenerateTransform)
         }
-    }
-}
-
-fn plan(
-    camera: &CameraInput,
-    patch: &Result<(Plane, Option<[DVec3; 4]>), NotDrawn>,
-) -> Result<(Plane, crate::math::ReflectedViewPlan), NotDrawn> {
-    let (plane, corners) = (*patch)?;
-    let (world_from_view, clip_from_view, viewport_size) = camera.view?;
-    plan_reflected_view(&ViewInput {
-        world_from_view,
-        clip_from_view,
-        viewport_size,
-        plane,
-        corners,
-        jitter_px: camera.jitter_px,
-    })
-    .map(|plan| (plane, plan))
-    .map_err(|skip| match skip {
-        Skip::DegenerateView => NotDrawn::DegenerateCamera,
-        Skip::EyeBehind => NotDrawn::EyeBehind,
-        Skip::OutOfView => NotDrawn::OutOfView,
-        Skip::TooThin => NotDrawn::TooThin,
-        Skip::BelowPrecision => NotDrawn::BelowPrecision,
-    })
-}
-
-/// Leaves the nearest [`MAX_MIRRORS`] views of a camera, by distance from the eye.
-fn keep_nearest(decisions: &mut [Decision], camera: &CameraInput) {
-    let Ok((world_from_view, ..)) = camera.view else {
-        return;
-    };
-    let seen = |decision: &Decision| decision.camera == camera.entity && decision.view.is_ok();
-    if decisions.iter().filter(|decision| seen(decision)).count() <= MAX_MIRRORS {
-        return;
-    }
-    let distance = |view: &PlannedView| view.plane.origin.distance(world_from_view.translation);
-    let mut nearest: Vec<(f64, usize)> = decisions
-        .iter()
-        .enumerate()
-        .filter(|(_, decision)| seen(decision))
-        .filter_map(|(index, decision)| Some((distance(decision.view.as_ref().ok()?), index)))
-        .collect();
-    nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
-    for &(_, index) in &nearest[MAX_MIRRORS..] {
-        decisions[index].view = Err(NotDrawn::TooManyMirrors);
     }
 }

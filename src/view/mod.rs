@@ -1,15 +1,15 @@
 //! Main world: from mirrors and cameras to reflected views.
 //!
-//! A *reflected view* is a camera entity of the plugin's own, one for each camera and each mirror
-//! that it sees: the camera's transform reflected about the mirror, its projection, no render
-//! target. Bevy does visibility, light clusters, shadow cascades and phases for it as for any
-//! camera; the pass in [`render`](crate::render) draws it into the picture of the camera it
-//! belongs to.
+//! A *reflected view* is a camera entity of the plugin's own, one for each camera and each plane of
+//! mirrors that it sees: the camera's transform reflected about the plane, its projection, no
+//! render target. Bevy does visibility, light clusters, shadow cascades and phases for it as for
+//! any camera; the pass in [`render`](crate::render) draws it into the picture of the camera it
+//! belongs to. What sees a mirror may itself be a reflected view: a mirror in a mirror.
 //!
 //! | step in `PostUpdate` | file |
 //! |---|---|
 //! | fit a plane to each mirror's mesh | `fit.rs` |
-//! | decide which camera sees which mirror | `decide.rs` |
+//! | decide which camera sees which mirror | `decide.rs`, `sight.rs` |
 //! | bring the entities in line with that | `apply.rs`, `copy.rs` |
 //! | after visibility: drop what is behind, choose the projection | `clip.rs` |
 //! | leave out shadows that fall on nothing visible | `shadow.rs` |
@@ -26,22 +26,37 @@ mod decide;
 mod fit;
 mod report;
 mod shadow;
+mod sight;
 
-use bevy::{ecs::prelude::*, platform::collections::HashMap};
-use glam::{Mat4, Vec2};
+use core::ops::Range;
+
+use bevy::{
+    ecs::{entity::EntityHashMap, prelude::*},
+    platform::collections::HashMap,
+};
+use glam::{DVec2, Mat4};
 
 pub use apply::{apply_reflected_views, disable_reflected_views, enable_reflected_views};
 pub use clip::clip_reflected_views;
 pub use decide::decide_reflected_views;
 pub use fit::{MirrorPatches, fit_mirror_planes};
-pub use report::report_status;
+pub use report::{report_figures, report_status};
 pub use shadow::{cascade_is_sampled, narrow_cascades};
 
 use crate::{
     math::{Plane, ReflectedViewPlan},
-    mirror::MirrorClip,
+    mirror::{MirrorClip, MirrorShadows},
     status::{NotDrawn, Projection},
 };
+
+/// How much the plugin may do.
+#[derive(Resource, Clone, Copy, Debug)]
+pub struct MirrorLimits {
+    /// See [`PlanarMirrorPlugin`](crate::PlanarMirrorPlugin).
+    pub max_bounces: u8,
+    /// See [`PlanarMirrorPlugin`](crate::PlanarMirrorPlugin).
+    pub max_views: usize,
+}
 
 /// What this frame decided for every pair of a camera and a mirror, and the views that serve them.
 #[derive(Resource, Default)]
@@ -54,33 +69,64 @@ pub struct ReflectedViews {
     pub some_wait: bool,
     /// Grouped by mirror.
     pub decisions: Vec<Decision>,
-    /// (camera, mirror) -> its reflected view.
-    pub entities: HashMap<(Entity, Entity), ViewEntity>,
-}
-
-/// The entity of a reflected view.
-pub struct ViewEntity {
-    pub entity: Entity,
-    /// Still wanted in this frame.
-    pub wanted: bool,
+    /// Grouped by camera; a mirror comes before what is seen in it.
+    pub planned: Vec<PlannedView>,
+    /// The mirrors of all planned views.
+    pub surfaces: Vec<Entity>,
+    /// (what sees it, mirror) -> its reflected view, which it may share with others.
+    pub entities: HashMap<(Entity, Entity), Entity>,
+    /// All entities of reflected views, and whether this frame wants them.
+    pub wanted: EntityHashMap<bool>,
 }
 
 /// What becomes of one mirror as seen by one camera.
 pub struct Decision {
     pub camera: Entity,
     pub mirror: Entity,
-    pub view: Result<PlannedView, NotDrawn>,
+    /// Which of [`ReflectedViews::planned`] shows it.
+    pub view: Result<usize, NotDrawn>,
 }
 
 /// A reflection to draw.
 pub struct PlannedView {
+    /// The user's camera into whose picture it goes.
+    pub camera: Entity,
+    /// The planned view that sees the mirror, if not the camera itself does.
+    pub viewer: Option<usize>,
+    /// How many reflections it is away from the camera: 1 if the camera sees the mirror.
+    pub bounce: u8,
+    /// Which of [`ReflectedViews::surfaces`] are the mirror: several if they lie in one plane. Sorted.
+    pub mirrors: Range<usize>,
     pub plane: Plane,
     pub plan: ReflectedViewPlan,
+    /// The lowest and the highest device coordinates of what is seen of the mirrors.
+    pub ndc_bounds: (DVec2, DVec2),
     pub clip: MirrorClip,
+    pub shadows: MirrorShadows,
+    /// Its entity; `None` if that could not be made.
+    pub entity: Option<Entity>,
     /// Filled in once visibility is known.
     pub projection: Projection,
+    /// The projection that the GPU shall use. Filled in with `projection`.
+    ///
+    /// `Camera` and `Projection` of the entity stay those of the user's camera, so that clusters,
+    /// cascades and everything else that reads depth from them is right; only the vertices see the
+    /// oblique near plane.
+    pub clip_from_view: Mat4,
     /// The least and the greatest view depth of anything visible. Filled in with `projection`.
     pub depths: DepthRange,
+    /// What is seen of the mirrors, in pixels.
+    pub pixels: f64,
+    /// How many objects are visible. Filled in with `projection`.
+    pub objects: usize,
+}
+
+impl PlannedView {
+    /// The projection to take instead if other plugins put something into the view of which
+    /// nobody knows where it is.
+    pub fn clip_unbounded(&self) -> Option<Mat4> {
+        (self.clip == MirrorClip::Auto).then(|| self.plan.clip_from_view_oblique.as_mat4())
+    }
 }
 
 /// View depths (`-z`) from the nearest to the farthest point; `near > far` for nothing.
@@ -111,26 +157,9 @@ impl DepthRange {
     }
 }
 
-/// On a reflected view: whose it is, and the projection that the GPU shall use.
-///
-/// `Camera` and `Projection` of the entity stay those of the user's camera, so that clusters,
-/// cascades and everything else that reads depth from them is right; only the vertices see the
-/// oblique near plane.
+/// Marks the entity of a reflected view.
 #[derive(Component, Clone, Copy, Debug)]
-pub struct ReflectedView {
-    /// The user's camera into whose picture the view is drawn.
-    pub camera: Entity,
-    /// The mirror that it is seen in.
-    pub mirror: Entity,
-    pub clip_from_view: Mat4,
-    /// The projection to take instead if other plugins put something into the view of which
-    /// nobody knows where it is.
-    pub clip_unbounded: Option<Mat4>,
-    /// The lowest and the highest device coordinates of what is seen of the mirror.
-    pub ndc_bounds: (Vec2, Vec2),
-    /// Of everything that is visible in it.
-    pub depths: DepthRange,
-}
+pub struct ReflectedView;
 
 /// Whether there are more views than Bevy tells what is in range.
 pub fn some_views_wait(views: Res<ReflectedViews>) -> bool {
@@ -139,5 +168,5 @@ pub fn some_views_wait(views: Res<ReflectedViews>) -> bool {
 
 /// Whether there is anything to do, or to undo: a scene without mirrors runs none of the rest.
 pub fn any_reflected_views(views: Res<ReflectedViews>) -> bool {
-    !views.entities.is_empty() || views.decisions.iter().any(|decision| decision.view.is_ok())
+    !views.wanted.is_empty() || !views.planned.is_empty()
 }

@@ -7,7 +7,9 @@ use bevy::{
 };
 
 use super::{Decision, ReflectedViews};
-use crate::status::{CameraStatus, MirrorState, MirrorStatus, NotDrawn};
+use crate::status::{
+    CameraStatus, MirrorFigures, MirrorState, MirrorStatus, NotDrawn, ViewFigures,
+};
 
 /// Brings every mirror's status in line with what this frame decided; change detection sees only
 /// real changes.
@@ -34,12 +36,14 @@ pub fn report_status(
             .cameras
             .iter()
             .copied()
-            .eq(mirror.iter().map(status_of))
+            .eq(mirror.iter().map(|decision| status_of(&views, decision)))
         {
             continue;
         }
         status.cameras.clear();
-        status.cameras.extend(mirror.iter().map(status_of));
+        status
+            .cameras
+            .extend(mirror.iter().map(|decision| status_of(&views, decision)));
         for CameraStatus { camera, state } in &status.cameras {
             if let MirrorState::NotDrawn(reason) = *state
                 && let Some(remedy) = remedy(reason)
@@ -58,12 +62,35 @@ pub fn report_status(
     }
 }
 
-fn status_of(decision: &Decision) -> CameraStatus {
+/// Lists what is drawn.
+pub fn report_figures(views: Res<ReflectedViews>, mut figures: ResMut<MirrorFigures>) {
+    if views.planned.is_empty() && figures.views.is_empty() {
+        return;
+    }
+    figures.views.clear();
+    figures.views.extend(
+        views
+            .planned
+            .iter()
+            .filter(|planned| planned.entity.is_some())
+            .map(|planned| ViewFigures {
+                camera: planned.camera,
+                mirror: views.surfaces[planned.mirrors.start],
+                mirrors: planned.mirrors.len(),
+                bounces: planned.bounce,
+                pixels: planned.pixels as f32,
+                objects: planned.objects,
+                projection: planned.projection,
+            }),
+    );
+}
+
+fn status_of(views: &ReflectedViews, decision: &Decision) -> CameraStatus {
     CameraStatus {
         camera: decision.camera,
-        state: match &decision.view {
-            Ok(view) => MirrorState::Drawn(view.projection),
-            Err(reason) => MirrorState::NotDrawn(*reason),
+        state: match decision.view {
+            Ok(view) => MirrorState::Drawn(views.planned[view].projection),
+            Err(reason) => MirrorState::NotDrawn(reason),
         },
     }
 }
@@ -106,7 +133,9 @@ fn remedy(reason: NotDrawn) -> Option<&'static str> {
         NotDrawn::DeferredCamera => {
             "Use forward rendering for this camera, or put NoMirrors on it."
         }
-        NotDrawn::TooManyMirrors => "The nearest 255 are drawn.",
+        NotDrawn::TooManyMirrors => {
+            "The largest are drawn; PlanarMirrorPlugin::max_views says how many."
+        }
         _ => return None,
     })
 }

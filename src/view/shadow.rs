@@ -17,7 +17,7 @@ use bevy::{
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use super::{DepthRange, PlannedView, ReflectedViews};
-use crate::math::BaseProjection;
+use crate::{math::BaseProjection, mirror::MirrorShadows};
 
 /// How far beside a point its shadow may be looked up, in texels: the offset along the normal and
 /// the widest fixed filter, twice over.
@@ -45,27 +45,25 @@ pub fn narrow_cascades(
     cameras: Query<(&Camera, Option<&ShadowFilteringMethod>)>,
     mut lights: Query<(&CascadeShadowConfig, &Cascades, &mut CascadesFrusta)>,
 ) {
-    for decision in &views.decisions {
-        let Ok(planned) = &decision.view else {
+    for planned in &views.planned {
+        let Some(view) = planned.entity else {
             continue;
         };
-        let Some(view) = views.entities.get(&(decision.camera, decision.mirror)) else {
-            continue;
-        };
-        let Ok((camera, filter)) = cameras.get(view.entity) else {
+        let Ok((camera, filter)) = cameras.get(view) else {
             continue;
         };
         // How far the temporal filter reaches depends on the size of the light.
         let filter_is_narrow = !matches!(filter, Some(ShadowFilteringMethod::Temporal));
         for (config, cascades, mut frusta) in &mut lights {
-            let (Some(cascades), Some(frusta)) = (
-                cascades.cascades.get(&view.entity),
-                frusta.frusta.get_mut(&view.entity),
-            ) else {
+            let (Some(cascades), Some(frusta)) =
+                (cascades.cascades.get(&view), frusta.frusta.get_mut(&view))
+            else {
                 continue;
             };
             for (index, (cascade, frustum)) in cascades.iter().zip(frusta).enumerate() {
-                if !cascade_is_sampled(config, index, planned.depths) {
+                if planned.shadows == MirrorShadows::Off
+                    || !cascade_is_sampled(config, index, planned.depths)
+                {
                     hold_nothing(frustum);
                 } else if filter_is_narrow
                     && let Some(seen) = seen_corners(planned, camera, config, index)
@@ -85,7 +83,7 @@ fn seen_corners(
     index: usize,
 ) -> Option<[DVec3; 8]> {
     let projection = BaseProjection::new(&camera.clip_from_view().as_dmat4())?;
-    let (low, high) = planned.plan.polygon.ndc_bounds();
+    let (low, high) = planned.ndc_bounds;
     let mut near = planned.depths.near;
     if let Some(begin) = cascade_near(config, index) {
         near = near.max(begin);

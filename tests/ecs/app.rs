@@ -134,23 +134,33 @@ pub fn mirror_app() -> MirrorApp {
 
 /// Bevy with the mirrors, and what the test adds before the app is finished.
 pub fn mirror_app_with(add: impl FnOnce(&mut App)) -> MirrorApp {
-    let turn = TURN.read().unwrap_or_else(PoisonError::into_inner);
-    MirrorApp::new(Turn::Shared(turn), |app| {
+    MirrorApp::new(shared(), PlanarMirrorPlugin::default(), |app| {
         add(app);
+        app.insert_sub_app(RenderApp, stand_in_renderer());
+    })
+}
+
+/// Bevy with the mirrors, under other settings than the default.
+pub fn mirror_app_of(plugin: PlanarMirrorPlugin) -> MirrorApp {
+    MirrorApp::new(shared(), plugin, |app| {
         app.insert_sub_app(RenderApp, stand_in_renderer());
     })
 }
 
 /// Bevy with the mirrors, and nobody else who writes into the log.
 pub fn logged_mirror_app() -> MirrorApp {
-    MirrorApp::new(alone(), |app| {
+    MirrorApp::new(alone(), PlanarMirrorPlugin::default(), |app| {
         app.insert_sub_app(RenderApp, stand_in_renderer());
     })
 }
 
 /// The same on a machine that draws nothing.
 pub fn logged_mirror_app_without_renderer() -> MirrorApp {
-    MirrorApp::new(alone(), |_| {})
+    MirrorApp::new(alone(), PlanarMirrorPlugin::default(), |_| {})
+}
+
+fn shared() -> Turn {
+    Turn::Shared(TURN.read().unwrap_or_else(PoisonError::into_inner))
 }
 
 fn alone() -> Turn {
@@ -175,9 +185,9 @@ impl DerefMut for MirrorApp {
 }
 
 impl MirrorApp {
-    fn new(turn: Turn, add: impl FnOnce(&mut App)) -> Self {
+    fn new(turn: Turn, plugin: PlanarMirrorPlugin, add: impl FnOnce(&mut App)) -> Self {
         let mut app = stock_app();
-        app.add_plugins(PlanarMirrorPlugin::default());
+        app.add_plugins(plugin);
         add(&mut app);
         app.finish();
         app.cleanup();

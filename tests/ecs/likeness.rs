@@ -172,7 +172,7 @@ fn a_resized_target_resizes_the_view_and_an_empty_one_ends_it() {
 fn views_come_before_every_camera_and_no_two_at_once() {
     let mut app = mirror_app();
     for x in [-1.0, 0.0, 1.0] {
-        app.spawn_mirror(Transform::from_xyz(x, 0.0, 0.0));
+        app.spawn_mirror(Transform::from_xyz(x, 0.0, 0.1 * x));
     }
     for order in [-7, 0, 3] {
         let camera = app.spawn_camera(EYE);

@@ -84,7 +84,7 @@ fn a_mirror_that_breaks_again_and_again_logs_one_line() {
 fn each_camera_that_cannot_show_mirrors_logs_one_line_that_names_it() {
     let mut app = logged_mirror_app();
     for x in [-1.0, 0.0, 1.0] {
-        app.spawn_mirror(Transform::from_xyz(x, 0.0, 0.0));
+        app.spawn_mirror(Transform::from_xyz(x, 0.0, 0.1 * x));
     }
     app.spawn_camera(EYE);
     let deferred = app.spawn_camera(EYE);

@@ -18,7 +18,7 @@ fn a_camera_that_sees_a_mirror_has_one_view_of_it() {
 #[test]
 fn every_camera_has_a_view_of_every_mirror_that_it_sees() {
     let mut app = mirror_app();
-    let mirrors = [-2.0, 0.0, 2.0].map(|x| app.spawn_mirror(Transform::from_xyz(x, 0.0, 0.0)));
+    let mirrors = [-2.0, 0.0, 2.0].map(|x| app.spawn_mirror(Transform::from_xyz(x, 0.0, 0.1 * x)));
     let cameras = [4.0, 6.0].map(|z| app.spawn_camera(Transform::from_xyz(0.0, 0.0, z)));
     app.updates(3);
     let mut paired = Vec::new();
@@ -192,7 +192,7 @@ fn a_hidden_camera_still_draws_and_so_do_its_mirrors() {
 #[test]
 fn a_disabled_mirror_or_camera_has_no_views() {
     let mut app = mirror_app();
-    let mirrors = [default(), Transform::from_xyz(0.5, 0.0, 0.0)].map(|at| app.spawn_mirror(at));
+    let mirrors = [default(), Transform::from_xyz(0.5, 0.0, 0.1)].map(|at| app.spawn_mirror(at));
     let cameras = [EYE, EYE].map(|eye| app.spawn_camera(eye));
     app.update();
     assert_eq!(app.views().len(), 4);

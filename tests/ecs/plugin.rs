@@ -106,7 +106,7 @@ fn its_shaders_are_there_in_whichever_order_it_is_added() {
 #[test]
 fn without_a_renderer_it_says_so_and_makes_no_views() {
     let mut app = logged_mirror_app_without_renderer();
-    let mirrors = [0.0, 0.5].map(|x| app.spawn_mirror(Transform::from_xyz(x, 0.0, 0.0)));
+    let mirrors = [0.0, 0.5].map(|x| app.spawn_mirror(Transform::from_xyz(x, 0.0, 0.1 * x)));
     let camera = app.spawn_camera(EYE);
     app.updates(3);
     for mirror in mirrors {

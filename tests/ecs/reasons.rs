@@ -16,7 +16,7 @@ use super::app::{EYE, MirrorApp, PLAIN, floor, logged_mirror_app, mirror_app, no
 /// A mirror and a camera, and another mirror that must not care.
 fn pair() -> (MirrorApp, Entity, Entity) {
     let mut app = mirror_app();
-    let other = app.spawn_mirror(Transform::from_xyz(0.5, 0.5, 0.0));
+    let other = app.spawn_mirror(Transform::from_xyz(0.5, 0.5, 0.1));
     let (mirror, camera) = (app.spawn_mirror(default()), app.spawn_camera(EYE));
     app.update();
     app.assert_state(mirror, camera, PLAIN);

@@ -12,7 +12,7 @@ use super::app::{EYE, MirrorApp, PLAIN, mirror_app, mirror_app_with, not};
 /// Two mirrors and two cameras, all of which see each other.
 fn four() -> (MirrorApp, [Entity; 2], [Entity; 2]) {
     let mut app = mirror_app();
-    let mirrors = [-0.5, 0.5].map(|x| app.spawn_mirror(Transform::from_xyz(x, 0.0, 0.0)));
+    let mirrors = [-0.5, 0.5].map(|x| app.spawn_mirror(Transform::from_xyz(x, 0.0, 0.1 * x)));
     let cameras = [EYE, EYE].map(|eye| app.spawn_camera(eye));
     app.updates(2);
     assert_eq!(app.views().len(), 4);
@@ -145,7 +145,7 @@ fn a_world_that_is_cleared_can_be_filled_again() {
     clear(app.world_mut());
     app.updates(2);
     assert!(app.views().is_empty());
-    let mirrors = [-0.5, 0.5].map(|x| app.spawn_mirror(Transform::from_xyz(x, 0.0, 0.0)));
+    let mirrors = [-0.5, 0.5].map(|x| app.spawn_mirror(Transform::from_xyz(x, 0.0, 0.1 * x)));
     let cameras = [EYE, EYE].map(|eye| app.spawn_camera(eye));
     app.update();
     assert_eq!(app.views().len(), 4);

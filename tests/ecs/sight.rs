@@ -64,7 +64,7 @@ fn a_users_systems_meet_the_users_camera_alone() {
     let mut app = mirror_app_with(look_everywhere);
     let camera = app.spawn_camera(EYE);
     for x in [-1.0, 0.0, 1.0] {
-        app.spawn_mirror(Transform::from_xyz(x, 0.0, 0.0));
+        app.spawn_mirror(Transform::from_xyz(x, 0.0, 0.1 * x));
     }
     for frame in 0..4 {
         app.insert_resource(Met::default());

@@ -58,7 +58,7 @@ fn a_scene_without_mirrors_spawns_nothing() {
 fn busy() -> (MirrorApp, Entity) {
     let mut app = mirror_app();
     for x in [-1.5, 0.0, 1.5, 40.0] {
-        app.spawn_mirror(Transform::from_xyz(x, 0.0, 0.0));
+        app.spawn_mirror(Transform::from_xyz(x, 0.0, 0.1 * x));
     }
     app.spawn_cube(0.3, Vec3::ZERO);
     let camera = app.spawn_camera(EYE);

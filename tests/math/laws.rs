@@ -185,7 +185,7 @@ proptest! {
         let Ok(plan) = plan_reflected_view(&input) else {
             return Ok(());
         };
-        let sides = narrowed_sides(&plan.polygon, &input.clip_from_view, input.viewport_size);
+        let sides = narrowed_sides(plan.polygon.ndc_bounds(), &input.clip_from_view, input.viewport_size);
         let p = inside(&plan.polygon, weights);
         let projection = BaseProjection::new(&input.clip_from_view).expect("invertible");
         let view = projection.view_from_clip * DVec4::new(p.x, p.y, 0.5 / w, 1.0);

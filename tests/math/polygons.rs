@@ -168,4 +168,35 @@ proptest! {
         let (width_a, width_b) = (a.min_width_px(VIEWPORT), b.min_width_px(VIEWPORT));
         prop_assert!((width_a - width_b).abs() <= 1e-5, "{width_a} and {width_b}");
     }
+
+    #[test]
+    fn through_an_opening_shows_what_lies_in_it(
+        quad in any_quad(),
+        low in (-1.0..0.5_f64, -1.0..0.5_f64),
+        size in (0.1..1.5_f64, 0.1..1.5_f64),
+        plane in prop::array::uniform4(-1.0..1.0_f64),
+    ) {
+        let low = DVec2::from(low);
+        let high = (low + DVec2::from(size)).min(DVec2::ONE);
+        let plane = DVec4::from_array(plane);
+        let whole = clip_polygon(&quad);
+        let part = clip_polygon_within(&quad, (low, high), Some(plane));
+        for v in part.vertices() {
+            prop_assert!(plane.dot(*v) >= -1e-12, "{v} is behind");
+        }
+        for p in part.ndc() {
+            prop_assert!(p.cmpge(low - 1e-12).all() && p.cmple(high + 1e-12).all(), "{p}");
+        }
+        prop_assert!(area(&part) <= area(&whole) + 1e-9);
+        // And nothing of that is missing.
+        let inside = |v: &DVec4| {
+            let p = v.truncate().truncate() / v.w;
+            p.cmpge(low).all() && p.cmple(high).all() && plane.dot(*v) >= 0.0
+        };
+        if whole.vertices().iter().all(inside) {
+            prop_assert!((area(&part) - area(&whole)).abs() <= 1e-9);
+        }
+        let open = clip_polygon_within(&quad, (DVec2::NEG_ONE, DVec2::ONE), None);
+        prop_assert_eq!(open, whole);
+    }
 }

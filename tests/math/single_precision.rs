@@ -175,7 +175,11 @@ fn assert_usable(input: &ViewInput) {
     assert!(plan.margin >= 0.0 && plan.margin <= MAX_MARGIN, "{plan:?}");
     assert!(plan.polygon.ndc().all(|p| p.is_finite()), "{plan:?}");
     assert!(plan.ghost_tolerance(1.0) >= 0.0, "{plan:?}");
-    let sides = narrowed_sides(&plan.polygon, &input.clip_from_view, input.viewport_size);
+    let sides = narrowed_sides(
+        plan.polygon.ndc_bounds(),
+        &input.clip_from_view,
+        input.viewport_size,
+    );
     assert!(
         sides.iter().all(|side| side.is_finite()),
         "{sides:?}, {plan:?}"

@@ -11,11 +11,13 @@ use bevy::{
     render::render_resource::{Extent3d, TextureDimension, TextureFormat},
 };
 
+use bevy_planar_mirror::MirrorShadows;
+
 use crate::support::{
     live::Live,
     props::{add, at, lamp, lit, six_colors, spot, still_noise, sun},
     scene::{Scene, Surface},
-    studio::{Studio, assert_reflects},
+    studio::{SHARE, Studio, TOLERANCE, assert_reflects},
 };
 
 /// A ball and a box on a table that is partly a mirror, and a wall that catches shadows.
@@ -372,4 +374,28 @@ fn assert_shadows_matter(scene: &Scene) {
         difference.as_ref().is_ok_and(|d| d.beyond > 30),
         "no shadow in the reflection: {difference:?}"
     );
+}
+
+/// What is seen in it is lit as if the sun threw no shadows; the scene keeps them.
+#[test]
+fn a_mirror_may_do_without_shadows() {
+    let mut scene = still_life("without-shadows").prop(sun(true));
+    scene.mirrors[0].mirror.shadows = MirrorShadows::Off;
+    let shadowless = still_life("shadowless").prop(sun(false));
+    let mut studio = Studio::default();
+    let picture = studio.picture(&scene);
+    let mask = studio.mask(&scene, 0);
+    let expected = studio.reference(&shadowless, 0);
+    let inside = |place| mask.inside(place);
+    picture.assert_alike(
+        &expected,
+        TOLERANCE,
+        SHARE,
+        inside,
+        "without-shadows-inside",
+    );
+    studio.assert_untouched_outside(&scene, &picture);
+    let shadowed = studio.reference(&scene, 0);
+    let difference = shadowed.difference(&expected, TOLERANCE, inside);
+    assert!(difference.is_ok_and(|difference| difference.beyond > 50));
 }

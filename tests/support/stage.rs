@@ -187,6 +187,17 @@ impl Stage {
         Err(format!("the app reports errors:\n{}", errors.join("\n")))
     }
 
+    /// What is logged as an error in these updates, which are meant to go wrong.
+    pub fn errors_while(&mut self, steps: impl FnOnce(&mut App)) -> Vec<Line> {
+        self.log.extend(log::take());
+        steps(&mut self.app);
+        let (errors, others) = log::take()
+            .into_iter()
+            .partition(|line| line.level == Level::ERROR);
+        self.log.extend::<Vec<Line>>(others);
+        errors
+    }
+
     /// What was logged as a warning since the stage was built.
     pub fn warnings(&self) -> impl Iterator<Item = &Line> {
         self.log.iter().filter(|line| line.level == Level::WARN)

@@ -6,6 +6,7 @@ use bevy::{
     prelude::*,
     render::render_resource::Face,
 };
+use bevy_planar_mirror::PlanarMirrorPlugin;
 
 use super::{
     cut::{Cut, cut},
@@ -58,6 +59,7 @@ impl How {
 /// Two apps, one with the plugin and one without, that draw one scene after the other.
 #[derive(Default)]
 pub struct Studio {
+    plugin: PlanarMirrorPlugin,
     plugins: Vec<fn(&mut App)>,
     mirrors: Option<Stage>,
     stock: Option<Stage>,
@@ -72,12 +74,20 @@ impl Studio {
         }
     }
 
+    /// With other settings of the plugin than the default.
+    pub fn with(plugin: PlanarMirrorPlugin) -> Self {
+        Self {
+            plugin,
+            ..default()
+        }
+    }
+
     /// The app that has the plugin, as the last [`Self::picture`] left it.
     pub fn stage(&mut self) -> &mut Stage {
-        let plugins = &self.plugins;
+        let (plugin, plugins) = (&self.plugin, &self.plugins);
         self.mirrors.get_or_insert_with(|| {
             Stage::new(|app| {
-                app.add_plugins(bevy_planar_mirror::PlanarMirrorPlugin::default());
+                app.add_plugins(plugin.clone());
                 plugins.iter().for_each(|add| add(app));
             })
         })

@@ -114,7 +114,11 @@ fn is_sound(input: &ViewInput, plan: &ReflectedViewPlan, tally: &mut Tally) -> R
             .iter()
             .all(|value| (*value as f32).is_finite() && *value as f32 > 0.0);
     Tally::law("all is finite in f32", finite, || format!("{plan:?}"))?;
-    let sides = narrowed_sides(&plan.polygon, &input.clip_from_view, input.viewport_size);
+    let sides = narrowed_sides(
+        plan.polygon.ndc_bounds(),
+        &input.clip_from_view,
+        input.viewport_size,
+    );
     let finite = sides.iter().all(|side| side.as_vec4().is_finite());
     Tally::law("culling planes are finite in f32", finite, || {
         format!("{sides:?}")
