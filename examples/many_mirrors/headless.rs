@@ -41,7 +41,7 @@ fn draw(args: &Args) -> Result<String, String> {
 fn aim_at_target(
     mut commands: Commands,
     target: Res<Target>,
-    cameras: Query<Entity, Added<Camera3d>>,
+    cameras: Query<Entity, Added<Camera>>,
 ) {
     for camera in &cameras {
         commands

@@ -29,6 +29,16 @@ pub fn plugin(app: &mut App) {
 }
 
 fn add_text(mut commands: Commands) {
+    // Over the whole picture, whatever cameras share it.
+    commands.spawn((
+        Camera2d,
+        Camera {
+            order: 10,
+            clear_color: ClearColorConfig::None,
+            ..default()
+        },
+        IsDefaultUiCamera,
+    ));
     let (top, bottom) = (px(10), px(10));
     commands.spawn((
         KeyList,
@@ -74,7 +84,7 @@ fn show_figures(
     mut pass: Local<String>,
     mut text: Single<&mut Text, With<Figures>>,
 ) {
-    let mut lines = format!("{} reflected views\n", figures.views.len());
+    let mut lines = format!("reflected views: {}\n", figures.views.len());
     let last = figures.views.iter().map(|view| view.bounces).max();
     for bounce in 1..=last.unwrap_or(0) {
         let (mut views, mut mirrors, mut objects, mut pixels) = (0, 0, 0, 0.0);
@@ -87,8 +97,7 @@ fn show_figures(
         // Writing to a String cannot fail.
         let _ = writeln!(
             lines,
-            "bounce {bounce}: {views} views of {mirrors} mirrors, {objects} objects, {:.0} thousand pixels",
-            pixels / 1e3,
+            "bounce {bounce}: views {views}, mirrors {mirrors}, objects {objects}, pixels {pixels:.0}",
         );
     }
     if let Some(spans) = reader.read(&store) {

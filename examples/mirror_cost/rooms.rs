@@ -177,6 +177,22 @@ pub fn sixty_unseen() -> impl Iterator<Item = Surface> {
 const FLOOR: Vec2 = Vec2::new(4.0, 2.0);
 const FLOOR_PLACE: Vec3 = Vec3::new(0.0, -0.8, 0.8);
 
+/// The room with things over that place.
+pub fn furnished_floor(height: u32, lamps: u16) -> Scene {
+    let mut scene = room(height, lamps);
+    for i in 0..5_u8 {
+        let across = f32::from(i) - 2.0;
+        let place = FLOOR_PLACE + Vec3::new(0.6 * across, 0.35, 0.25 * (across.abs() - 1.5));
+        let paint = lit(Color::hsl(70.0 * f32::from(i), 0.6, 0.6));
+        scene = scene.object(
+            Sphere::new(0.2).mesh().uv(24, 14),
+            paint,
+            Transform::from_translation(place),
+        );
+    }
+    scene
+}
+
 /// One mirror on the floor.
 pub fn floor() -> Surface {
     Surface::floor(FLOOR.x, FLOOR.y, Transform::from_translation(FLOOR_PLACE))

@@ -110,13 +110,14 @@ pub fn all() -> Vec<Row> {
     ]
 }
 
-/// A scene whose frames are short, so that what a mirror adds to each shows.
-fn few_lamps(plan: &Plan) -> Scene {
-    rooms::room(plan.height, 2)
-}
-
-/// A scene whose frames are nothing but shading.
+/// Frames are short, so that what a mirror adds to each shows.
+const FEW_LAMPS: u16 = 2;
+/// Frames are nothing but shading.
 const MANY_LAMPS: u16 = 12;
+
+fn few_lamps(plan: &Plan) -> Scene {
+    rooms::room(plan.height, FEW_LAMPS)
+}
 
 fn half() -> Surface {
     rooms::facing(0.5)
@@ -208,7 +209,7 @@ fn many(plan: &Plan) -> Outcome {
 }
 
 fn tiles(plan: &Plan) -> Outcome {
-    let room = few_lamps(plan);
+    let room = rooms::furnished_floor(plan.height, FEW_LAMPS);
     let mut tiles = room.clone();
     tiles.mirrors.extend(rooms::tiles());
     let sides = [

@@ -4,7 +4,7 @@ mod hall;
 mod split;
 mod tiles;
 
-use bevy::{light::NotShadowCaster, prelude::*};
+use bevy::{camera::ShadowLodOrigin, light::NotShadowCaster, prelude::*};
 
 /// Which scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,9 +50,9 @@ pub struct Shown(pub Place);
 #[derive(Resource)]
 pub struct SceneTime(pub f32);
 
-/// The camera that flies, and has the text in its picture.
+/// The camera that flies.
 #[derive(Component, Default)]
-#[require(Camera3d, IsDefaultUiCamera, InScene)]
+#[require(Camera3d, ShadowLodOrigin, InScene)]
 pub struct MainCamera;
 
 /// Goes with its scene.
@@ -64,24 +64,25 @@ struct InScene;
 struct Turning(f32);
 
 pub fn plugin(app: &mut App) {
-    app.insert_resource(GlobalAmbientLight {
-        brightness: 60.0,
-        ..default()
-    })
-    .add_systems(
-        PreUpdate,
-        (
-            clear,
+    app.insert_resource(ClearColor(Color::srgb(0.55, 0.65, 0.75)))
+        .insert_resource(GlobalAmbientLight {
+            brightness: 60.0,
+            ..default()
+        })
+        .add_systems(
+            PreUpdate,
             (
-                hall::set_up.run_if(shows(Place::Hall)),
-                tiles::set_up.run_if(shows(Place::Tiles)),
-                split::set_up.run_if(shows(Place::Split)),
-            ),
+                clear,
+                (
+                    hall::set_up.run_if(shows(Place::Hall)),
+                    tiles::set_up.run_if(shows(Place::Tiles)),
+                    split::set_up.run_if(shows(Place::Split)),
+                ),
+            )
+                .chain()
+                .run_if(resource_changed::<Shown>),
         )
-            .chain()
-            .run_if(resource_changed::<Shown>),
-    )
-    .add_systems(Update, (turn, split::fit_viewports));
+        .add_systems(Update, (turn, split::fit_viewports));
 }
 
 fn shows(place: Place) -> impl Fn(Res<Shown>) -> bool + Clone {

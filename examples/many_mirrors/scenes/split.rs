@@ -22,7 +22,6 @@ pub fn set_up(mut builder: Builder) {
         Camera3d::default(),
         Camera {
             order: 1,
-            clear_color: ClearColorConfig::Default,
             ..default()
         },
         Half(1),
