@@ -1,6 +1,6 @@
 //! The camera's own projection, and its inverse.
 
-use glam::{DMat4, DVec2, DVec3, DVec4};
+use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 
 /// A projection that can be undone: perspective (infinite, finite, off-center) or orthographic.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +44,16 @@ impl BaseProjection {
     /// The clip-space covector of a view-space covector: `C B^-1`.
     pub fn clip_covector(&self, view_covector: DVec4) -> DVec4 {
         self.view_from_clip.transpose() * view_covector
+    }
+
+    /// The same for points in the axes of the world, seen from the eye.
+    pub fn around_eye(&self, world_from_view: &DMat3, view_from_world: &DMat3) -> Self {
+        Self {
+            clip_from_view: self.clip_from_view * DMat4::from_mat3(*view_from_world),
+            view_from_clip: DMat4::from_mat3(*world_from_view) * self.view_from_clip,
+            depth_is_w: false,
+            ..*self
+        }
     }
 
     /// How far the visible points of a pixel may lie from the eye, in view units: the ray's

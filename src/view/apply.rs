@@ -27,14 +27,17 @@ pub fn apply_reflected_views(world: &mut World) {
     world.resource_scope(|world, mut views: Mut<ReflectedViews>| {
         let views = &mut *views;
         let mut ranged = views.users_views;
-        for wanted in views.wanted.values_mut() {
-            *wanted = false;
+        for live in views.alive.values_mut() {
+            live.is_wanted = false;
         }
+        // What was planned knows of the last frame's by now.
+        views.entities.clear();
         for index in 0..views.planned.len() {
-            let Some((viewer, view)) = entity_of(world, views, index) else {
+            let made = entity_of(world, views, index);
+            views.planned[index].entity = made.map(|(_, view)| view);
+            let Some((viewer, view)) = made else {
                 continue;
             };
-            views.planned[index].entity = Some(view);
             update_view(world, viewer, view, &views.planned[index], index);
             ranged += 1;
             if ranged <= RANGED_VIEWS {
@@ -42,19 +45,17 @@ pub fn apply_reflected_views(world: &mut World) {
             }
         }
         views.some_wait = ranged > RANGED_VIEWS;
-        let wanted = &mut views.wanted;
-        views
-            .entities
-            .retain(|_, view| wanted.get(view) == Some(&true));
-        wanted.retain(|&view, wanted| {
-            if !*wanted && let Ok(mut view) = world.get_entity_mut(view) {
+        views.alive.retain(|&view, live| {
+            if !live.is_wanted
+                && let Ok(mut view) = world.get_entity_mut(view)
+            {
                 // No camera any more, before observers of its removal can look it up.
                 view.remove::<(Camera, Camera3d)>();
                 // What is disabled when it goes is not missed by the render world.
                 view.remove::<Disabled>();
                 view.despawn();
             }
-            *wanted
+            live.is_wanted
         });
     });
 }
@@ -73,17 +74,17 @@ fn entity_of(
         Some(outer) => views.planned[outer].entity?,
     };
     let mirrors = &views.surfaces[planned.mirrors.clone()];
-    let known = mirrors
-        .iter()
-        .filter_map(|mirror| views.entities.get(&(viewer, *mirror)).copied())
-        // Mirrors that were in one plane and are not any more have one view between them; and
-        // somebody may have cleared the world.
-        .find(|view| views.wanted.get(view) == Some(&false) && world.get_entity(*view).is_ok());
+    // Mirrors that were in one plane and are not any more have one view between them; and somebody
+    // may have cleared the world.
+    let is_free = |view: &Entity| views.alive.get(view).is_some_and(|live| !live.is_wanted);
+    let known = planned
+        .entity
+        .filter(|view| is_free(view) && world.get_entity(*view).is_ok());
     let view = known.unwrap_or_else(|| spawn_view(world, viewer, mirrors[0]));
     // Observers of new cameras have run by now, and may have despawned either.
     let alive = |entity| world.get_entity(entity).is_ok();
     let is_wanted = alive(camera) && alive(viewer) && alive(view);
-    views.wanted.insert(view, is_wanted);
+    views.alive.entry(view).or_default().is_wanted = is_wanted;
     if !is_wanted {
         return None;
     }
@@ -116,7 +117,7 @@ pub fn enable_reflected_views(world: &mut World) {
 
 fn all(world: &World) -> Vec<Entity> {
     let views = world.resource::<ReflectedViews>();
-    views.wanted.keys().copied().collect()
+    views.alive.keys().copied().collect()
 }
 
 fn spawn_view(world: &mut World, viewer: Entity, mirror: Entity) -> Entity {

@@ -52,6 +52,7 @@ pub fn clip_reflected_views(
             view_depth: -view_from_world.row(2),
         };
         let mut seen = Seen {
+            was_cut: live.was_cut,
             crossed: !uncounted.is_empty(),
             depths: if uncounted.is_empty() {
                 DepthRange::NOTHING
@@ -81,6 +82,7 @@ pub fn clip_reflected_views(
             Projection::Plain => clip_from_view,
             Projection::Oblique => planned.plan.clip_from_view_oblique.as_mat4(),
         };
+        live.was_cut = seen.crossed;
         planned.depths = seen.depths;
         planned.objects = objects_in_view;
     }
@@ -96,6 +98,8 @@ struct DepthRows {
 
 /// What is known of all that a reflected view shows.
 struct Seen {
+    /// In the last frame, when something crossed the plane.
+    was_cut: bool,
     crossed: bool,
     depths: DepthRange,
 }
@@ -120,7 +124,7 @@ impl Seen {
         let (nearest, _) = bounds.range(rows.clip_w);
         let side = classify(
             signed_distance_range(&planned.plane, bounds.center, bounds.half_axes),
-            planned.plan.ghost_tolerance(nearest.max(0.0)),
+            planned.plan.ghost_tolerance(nearest, self.was_cut),
         );
         if side == Side::Behind {
             return false;

@@ -138,6 +138,8 @@ pub fn decide_reflected_views(
             view: camera.view,
             opening: Opening::SCREEN,
             viewer: None,
+            entity: Some(camera.entity),
+            last: &views.entities,
             bounce: 1,
             max_views: limits.max_views,
         };
@@ -166,6 +168,8 @@ pub fn decide_reflected_views(
                         plane_view: Some(outer.plan.plane_view),
                     },
                     viewer: Some(next),
+                    entity: outer.entity,
+                    last: &views.entities,
                     bounce: outer.bounce + 1,
                     max_views: limits.max_views.saturating_sub(views.planned.len() - first),
                 };

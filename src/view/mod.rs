@@ -75,8 +75,17 @@ pub struct ReflectedViews {
     pub surfaces: Vec<Entity>,
     /// (what sees it, mirror) -> its reflected view, which it may share with others.
     pub entities: HashMap<(Entity, Entity), Entity>,
-    /// All entities of reflected views, and whether this frame wants them.
-    pub wanted: EntityHashMap<bool>,
+    /// All entities of reflected views.
+    pub alive: EntityHashMap<LiveView>,
+}
+
+/// What is remembered of a reflected view from one frame to the next.
+#[derive(Default)]
+pub struct LiveView {
+    /// Whether this frame wants it.
+    pub is_wanted: bool,
+    /// Whether something crossed the mirror's plane, so that it had to be cut there.
+    pub was_cut: bool,
 }
 
 /// What becomes of one mirror as seen by one camera.
@@ -103,7 +112,8 @@ pub struct PlannedView {
     pub ndc_bounds: (DVec2, DVec2),
     pub clip: MirrorClip,
     pub shadows: MirrorShadows,
-    /// Its entity; `None` if that could not be made.
+    /// Its entity. Until the entities are brought in line that of the last frame, if there was one;
+    /// then `None` if it could not be made.
     pub entity: Option<Entity>,
     /// Filled in once visibility is known.
     pub projection: Projection,
@@ -168,5 +178,5 @@ pub fn some_views_wait(views: Res<ReflectedViews>) -> bool {
 
 /// Whether there is anything to do, or to undo: a scene without mirrors runs none of the rest.
 pub fn any_reflected_views(views: Res<ReflectedViews>) -> bool {
-    !views.wanted.is_empty() || !views.planned.is_empty()
+    !views.alive.is_empty() || !views.planned.is_empty()
 }

@@ -1,6 +1,6 @@
 //! What one viewer, a camera or a reflected view, sees of all mirrors.
 
-use bevy::{camera::visibility::RenderLayers, ecs::prelude::*};
+use bevy::{camera::visibility::RenderLayers, ecs::prelude::*, platform::collections::HashMap};
 use glam::{DVec2, DVec3};
 
 use super::{
@@ -35,6 +35,10 @@ pub struct Viewer<'a> {
     /// See [`PlannedView`].
     pub viewer: Option<usize>,
     pub bounce: u8,
+    /// The camera, or the reflected view as far as it was there in the last frame.
+    pub entity: Option<Entity>,
+    /// The reflected views of the last frame, see [`ReflectedViews`](super::ReflectedViews).
+    pub last: &'a HashMap<(Entity, Entity), Entity>,
     /// So many more may be planned.
     pub max_views: usize,
 }
@@ -139,7 +143,9 @@ impl Sight {
                     plan,
                     clip,
                     shadows,
-                    entity: None,
+                    entity: members
+                        .iter()
+                        .find_map(|seen| viewer.view_of(mirrors[seen.mirror].entity)),
                     projection: Projection::Oblique,
                     depths: DepthRange::EVERYTHING,
                     pixels: members.iter().map(|seen| seen.pixels).sum(),
@@ -186,6 +192,11 @@ impl Sight {
 }
 
 impl Viewer<'_> {
+    /// The reflected view in which it saw the mirror in the last frame.
+    fn view_of(&self, mirror: Entity) -> Option<Entity> {
+        self.last.get(&(self.entity?, mirror)).copied()
+    }
+
     fn viewport_size(&self) -> DVec2 {
         self.view.map_or(DVec2::ZERO, |view| view.viewport_size)
     }
@@ -202,7 +213,8 @@ impl Viewer<'_> {
             return Err(NotDrawn::OtherLayers);
         }
         let (plane, corners) = mirror.place?;
-        let plan = self.plan_quad(plane, corners)?;
+        let was_drawn = self.view_of(mirror.entity).is_some();
+        let plan = self.plan_quad(plane, corners, was_drawn)?;
         Ok((plane, corners, plan))
     }
 
@@ -210,6 +222,7 @@ impl Viewer<'_> {
         &self,
         plane: Plane,
         corners: Option<[DVec3; 4]>,
+        was_drawn: bool,
     ) -> Result<ReflectedViewPlan, NotDrawn> {
         let CameraView {
             world_from_view,
@@ -223,6 +236,7 @@ impl Viewer<'_> {
             plane,
             corners,
             jitter_px: self.camera.jitter_px,
+            was_drawn,
         };
         plan_reflected_view_within(&input, &self.opening).map_err(|skip| match skip {
             Skip::DegenerateView => NotDrawn::DegenerateCamera,
@@ -248,7 +262,10 @@ impl Viewer<'_> {
             .iter()
             .filter_map(|seen| mirrors[seen.mirror].place.ok()?.1);
         let (plane, _) = mirrors[first.mirror].place.ok()?;
-        self.plan_quad(plane, Some(joint_corners(&plane, quads)?))
+        let was_drawn = group
+            .iter()
+            .any(|seen| self.view_of(mirrors[seen.mirror].entity).is_some());
+        self.plan_quad(plane, Some(joint_corners(&plane, quads)?), was_drawn)
             .ok()
     }
 }

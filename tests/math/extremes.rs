@@ -132,6 +132,7 @@ pub struct Extreme {
     pub mirror: DAffine3,
     /// Half the size of the mirror in its own plane z = 0, which faces +Z. `None` if not known.
     pub half_size: Option<DVec2>,
+    pub was_drawn: bool,
 }
 
 impl Extreme {
@@ -156,6 +157,7 @@ impl Extreme {
             jitter_px,
             mirror,
             half_size: is_bounded.then_some(half_size),
+            was_drawn: draw.rarely(0.5).is_some(),
         }
     }
 
@@ -170,6 +172,7 @@ impl Extreme {
             plane,
             corners,
             jitter_px: self.jitter_px,
+            was_drawn: self.was_drawn,
         })
     }
 }

@@ -22,6 +22,7 @@ fn square_on(eye: DVec3) -> ViewInput {
         plane,
         corners,
         jitter_px: 0.0,
+        was_drawn: false,
     }
 }
 
@@ -127,7 +128,7 @@ fn orthographic_is_cut_too_and_needs_no_eye_in_front() {
     behind.clip_from_view.w_axis.z = 0.9;
     let plan = plan_reflected_view(&behind).expect("seen");
     assert!(
-        plan.eye_height < 0.0 && plan.ghost_tolerance(1.0) > 0.0,
+        plan.eye_height < 0.0 && plan.ghost_tolerance(1.0, false) > 0.0,
         "{plan:?}"
     );
 
@@ -159,6 +160,31 @@ fn without_bounds_the_whole_view_is_the_region() {
 }
 
 #[test]
+fn without_bounds_the_plane_begins_where_it_enters_the_view() {
+    let unbounded = |input| ViewInput {
+        corners: None,
+        ..input
+    };
+    // Straight at the plane, which is 3 away, and the far plane 15.
+    let mut input = unbounded(square_on(DVec3::Z * 3.0));
+    let (near, far) = (0.1, 15.0);
+    input.clip_from_view.z_axis.z = near / (far - near);
+    input.clip_from_view.w_axis.z = near * far / (far - near);
+    let w_min = plan_reflected_view(&input).expect("seen").w_min;
+    assert!((w_min - 3.0).abs() < 1e-12, "{w_min}");
+
+    // Along a floor that is 5 below: it enters the view through its lower edge, at 45 degrees; a
+    // near plane that is farther away than that cuts it first.
+    let level = DQuat::from_rotation_arc(DVec3::NEG_Z, DVec3::Y);
+    for (near, expected) in [(0.1, 5.0), (7.0, 7.0)] {
+        let mut input = unbounded(turned(square_on(DVec3::Z * 5.0), level));
+        input.clip_from_view.w_axis.z = near;
+        let w_min = plan_reflected_view(&input).expect("seen").w_min;
+        assert!((w_min - expected).abs() < 1e-12, "{w_min} {expected}");
+    }
+}
+
+#[test]
 fn scaled_cameras_measure_in_world_units() {
     let mut input = square_on(DVec3::Z * 5.0);
     input.world_from_view.matrix3 = DMat3::from_diagonal(DVec3::splat(2.0));
@@ -166,12 +192,11 @@ fn scaled_cameras_measure_in_world_units() {
     let on = depth(&plan, DVec3::ZERO);
     assert!((on - 1.0).abs() < 1e-12, "{on}");
     assert_eq!((plan.eye_height, plan.w_min), (5.0, 2.5));
-    // 2 world units across 1000 pixels at w = 1, times the scale.
-    assert!(
-        (plan.pixel_size - 0.004).abs() < 1e-15,
-        "{}",
-        plan.pixel_size
-    );
+    let unscaled = plan_reflected_view(&square_on(DVec3::Z * 5.0)).expect("seen");
+    // The same size at the same distance, of which w is half.
+    let [scaled, unscaled] =
+        [(plan, 2.5), (unscaled, 5.0)].map(|(plan, w)| plan.ghost_tolerance(w, false));
+    assert!((scaled - unscaled).abs() < 1e-15, "{scaled} {unscaled}");
 }
 
 #[test]
@@ -213,11 +238,14 @@ fn a_jittered_camera_keeps_more_clear() {
 #[test]
 fn what_stands_on_a_floor_does_not_straddle() {
     let plan = plan_reflected_view(&square_on(DVec3::Z * 5.0)).expect("seen");
-    // A quarter of a pixel of 2/1000 of the depth.
-    let at_mirror = plan.ghost_tolerance(5.0);
-    assert!((at_mirror - 0.0025).abs() < 1e-12, "{at_mirror}");
-    assert_eq!(plan.ghost_tolerance(0.0), at_mirror, "a box around the eye");
-    assert!(plan.ghost_tolerance(10.0) > at_mirror);
+    // A quarter of a pixel of 2/1000 of the depth; the mirror's corner is a fifth of it to the
+    // side and up, where depth counts as well.
+    let at_mirror = plan.ghost_tolerance(5.0, false);
+    let expected = 0.0025 / 1.08_f64.sqrt();
+    assert!((at_mirror / expected - 1.0).abs() < 1e-3, "{at_mirror}");
+    let around_the_eye = plan.ghost_tolerance(0.0, false);
+    assert!(around_the_eye < at_mirror && around_the_eye > 0.999 * at_mirror);
+    assert!(plan.ghost_tolerance(10.0, false) > at_mirror);
     assert_eq!(classify((-0.002, 1.0), at_mirror), Side::InFront);
     assert_eq!(classify((-0.003, 1.0), at_mirror), Side::Straddling);
     assert_eq!(classify((-1.0, 0.001), at_mirror), Side::Behind);

@@ -119,6 +119,7 @@ pub fn any_scene() -> impl Strategy<Value = ViewInput> {
                 plane,
                 corners,
                 jitter_px: 0.0,
+                was_drawn: false,
             }
         })
 }

@@ -153,6 +153,7 @@ impl Scene {
             plane,
             corners: Some(corners),
             jitter_px: 0.0,
+            was_drawn: false,
         }
     }
 }

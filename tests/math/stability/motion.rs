@@ -1,14 +1,9 @@
-//! Cameras that move in the smallest steps, and in leaps.
-
-use std::collections::BTreeMap;
+//! Plans of cameras that move in the smallest steps, and in leaps.
 
 use bevy_planar_mirror::math::*;
-use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
+use glam::{DAffine3, DQuat, DVec2, DVec3};
 
-use super::{
-    tally::count,
-    witness::{HALF_STEP, Witness},
-};
+use super::witness::HALF_STEP;
 use crate::{
     extremes::{Extreme, KINDS},
     random::{perspective_rows, rounded},
@@ -19,18 +14,18 @@ use crate::{
 /// `origin` and faces along `turn`'s +Z. `eye` is in the mirror's frame, `look` turns the camera
 /// from looking straight at the mirror.
 #[derive(Clone, Copy)]
-struct Wall {
-    origin: DVec3,
-    turn: DQuat,
+pub struct Wall {
+    pub origin: DVec3,
+    pub turn: DQuat,
 }
 
 impl Wall {
-    const PLAIN: Self = Self {
+    pub const PLAIN: Self = Self {
         origin: DVec3::ZERO,
         turn: DQuat::IDENTITY,
     };
 
-    fn seen_from(&self, eye: DVec3, look: DQuat) -> ViewInput {
+    pub fn seen_from(&self, eye: DVec3, look: DQuat) -> ViewInput {
         let patch = PlanarPatch {
             center: DVec3::ZERO,
             tangent_x: DVec3::X,
@@ -49,12 +44,13 @@ impl Wall {
             plane,
             corners,
             jitter_px: 0.0,
+            was_drawn: false,
         }
     }
 }
 
 /// Somewhere off the origin, along no axis.
-fn slanted(distance: f64) -> Wall {
+pub fn slanted(distance: f64) -> Wall {
     Wall {
         origin: DVec3::new(0.7, -0.2, 0.5) * distance,
         turn: DQuat::from_euler(glam::EulerRot::XYZ, 0.4, -0.9, 1.3),
@@ -173,198 +169,6 @@ fn sinking_through_the_plane_tells_each_reason_once() {
             }
         }
     }
-}
-
-#[test]
-fn a_box_that_sinks_through_the_plane_is_cut_once() {
-    for wall in [Wall::PLAIN, slanted(10.0), slanted(1e3)] {
-        let input = wall.seen_from(DVec3::Z * 5.0, DQuat::from_rotation_y(0.1));
-        let plan = plan_reflected_view(&input).expect("seen");
-        let axes = DMat3::from_quat(DQuat::from_euler(glam::EulerRot::XYZ, 0.3, 0.2, 0.1)) * 1e-3;
-        let half_axes = [axes.x_axis, axes.y_axis, axes.z_axis];
-        let mut sides: Vec<_> = (-8000..=8000)
-            .map(|i| {
-                let center = wall.origin + wall.turn * DVec3::new(0.3, 0.2, f64::from(-i) * 1e-6);
-                let center = center.as_vec3().as_dvec3();
-                let range = signed_distance_range(&input.plane, center, half_axes);
-                classify(range, plan.ghost_tolerance(5.0))
-            })
-            .collect();
-        sides.dedup();
-        // Boxes thinner than what shows are never cut.
-        let expected: &[Side] = if plan.ghost_tolerance(5.0) > 1.7e-3 {
-            &[Side::InFront, Side::Behind]
-        } else {
-            &[Side::InFront, Side::Straddling, Side::Behind]
-        };
-        assert_eq!(sides, expected);
-    }
-}
-
-#[test]
-fn a_camera_that_backs_off_stops_cutting_once() {
-    for wall in [Wall::PLAIN, slanted(10.0), slanted(1e3)] {
-        let look = DQuat::from_rotation_y(0.1);
-        let tolerance = |i: i32| {
-            let eye = DVec3::Z * (5.0 + f64::from(i) * 1e-6);
-            let input = wall.seen_from(eye, look);
-            let plan = plan_reflected_view(&input).expect("seen");
-            plan.ghost_tolerance(plan.w_min)
-        };
-        let tolerances: Vec<_> = (0..4000).map(tolerance).collect();
-        // Whatever reaches behind by the middle of them is cut first and whole later.
-        let reach = tolerances[2000];
-        let mut sides: Vec<_> = tolerances
-            .iter()
-            .map(|tolerance| classify((-reach, 1.0), *tolerance))
-            .collect();
-        sides.dedup();
-        println!("backing off {}: {} changes", wall.origin, sides.len() - 1);
-        assert_eq!(sides, [Side::Straddling, Side::InFront], "{}", wall.origin);
-    }
-}
-
-/// Where a camera starts or ceases to see a mirror, in steps of a micrometer or of 1e-7 radian,
-/// and of a quarter of a step of `f32`.
-///
-/// The decision itself changes once. Rounding the camera's pose to `f32` makes some tremble about
-/// the boundary; how far is printed, in steps of `f32` and in pixels.
-#[test]
-fn decisions_change_once_on_the_way() {
-    let mut boundaries = 0;
-    let mut trembling: BTreeMap<String, Tremble> = BTreeMap::new();
-    for seed in 0..count(1500, 20_000) {
-        let kind = KINDS[seed as usize % KINDS.len()];
-        let Some(input) = Extreme::of(kind, seed).input() else {
-            continue;
-        };
-        let Ok(plan) = plan_reflected_view(&input) else {
-            continue;
-        };
-        for (way, span) in [
-            (Way::Down, 1.05 * plan.eye_height.abs()),
-            (Way::Aside, plan.w_min),
-            (Way::Turn, 1.5),
-        ] {
-            let at = |t: f64| moved(&input, way, t * span);
-            let Some(boundary) = boundary(|t| plan_reflected_view(&at(t)).is_ok()) else {
-                continue;
-            };
-            boundaries += 1;
-            let largest = input.world_from_view.translation.abs().max_element();
-            let (smallest, grid) = match way {
-                Way::Turn => (1e-7, 2.0 * HALF_STEP),
-                _ => (1e-6, 2.0 * HALF_STEP * largest),
-            };
-            for step in [smallest, 0.25 * grid] {
-                let ts = (-100..100).map(|i| boundary + f64::from(i) * step / span);
-                let exact = ts.clone().map(|t| plan_reflected_view(&at(t)).is_ok());
-                let changes = changes(&exact.collect::<Vec<_>>());
-                // A step far from the origin may be larger than the mirror.
-                let is_small = 100.0 * step < 0.01 * span;
-                assert!(
-                    changes.len() <= 1 || !is_small,
-                    "Extreme::of(Kind::{kind:?}, {seed}) {way:?} in steps of {step:e}: {changes:?}"
-                );
-
-                let poses: Vec<_> = ts
-                    .map(|t| {
-                        let mut input = at(t);
-                        input.world_from_view = rounded(input.world_from_view);
-                        input
-                    })
-                    .collect();
-                let drawn: Vec<_> = poses
-                    .iter()
-                    .map(|pose| plan_reflected_view(pose).is_ok())
-                    .collect();
-                let found = self::changes(&drawn);
-                if let [first, .., last] = found[..] {
-                    let skip = poses
-                        .iter()
-                        .find_map(|pose| plan_reflected_view(pose).err());
-                    let near = if largest <= 1e3 {
-                        "within 1e3"
-                    } else {
-                        "farther"
-                    };
-                    let entry = trembling
-                        .entry(format!("{skip:?} {way:?} {near}"))
-                        .or_default();
-                    let band = (last - first) as f64 * step / grid;
-                    entry.times += 1;
-                    entry.steps = entry.steps.max(band);
-                    for pose in &poses[first - 1..=last] {
-                        let width = Witness::of(pose).width_px(pose.viewport_size);
-                        if plan_reflected_view(pose).is_ok() {
-                            entry.drawn_px = entry.drawn_px.max(width);
-                        } else {
-                            entry.skipped_px = entry.skipped_px.max(0.5 - width);
-                        }
-                    }
-                }
-            }
-        }
-    }
-    println!("{boundaries} boundaries");
-    for (what, tremble) in &trembling {
-        println!("  {what}: {tremble:?}");
-    }
-    assert!(boundaries > 500, "{boundaries}");
-}
-
-/// What trembles: how often, in how many steps of `f32`; up to what width it was drawn, and by how
-/// much less than half a pixel it was not.
-#[derive(Debug, Default)]
-struct Tremble {
-    times: u32,
-    steps: f64,
-    drawn_px: f64,
-    skipped_px: f64,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum Way {
-    Down,
-    Aside,
-    Turn,
-}
-
-fn moved(input: &ViewInput, way: Way, by: f64) -> ViewInput {
-    let mut moved = *input;
-    let pose = &mut moved.world_from_view;
-    let normal = input.plane.normal;
-    match way {
-        Way::Down => pose.translation -= normal * by,
-        Way::Aside => pose.translation += normal.any_orthonormal_vector() * by,
-        Way::Turn => {
-            let axis = pose.x_axis.normalize();
-            pose.matrix3 = DMat3::from_axis_angle(axis, by) * pose.matrix3;
-        }
-    }
-    moved
-}
-
-/// The first boundary from 0 to 1, as exact as `f64` has it.
-fn boundary(drawn: impl Fn(f64) -> bool) -> Option<f64> {
-    let first = (1..=32).map(f64::from).find(|i| !drawn(i / 32.0))?;
-    let (mut low, mut high) = ((first - 1.0) / 32.0, first / 32.0);
-    for _ in 0..48 {
-        let middle = 0.5 * (low + high);
-        if drawn(middle) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    Some(high)
-}
-
-/// Where neighbors differ.
-fn changes(drawn: &[bool]) -> Vec<usize> {
-    (1..drawn.len())
-        .filter(|i| drawn[*i] != drawn[i - 1])
-        .collect()
 }
 
 /// No state: a leap of a million units or another kind of projection in between changes nothing.

@@ -5,7 +5,7 @@ use glam::{DMat3, DVec2};
 
 use super::{
     tally::{Broken, Tally, count, run},
-    witness::{HALF_STEP, MAX_MARGIN, MIN_WIDTH_PX, Witness, is_rigid, lengths},
+    witness::{HALF_STEP, Witness, lengths, max_margin, min_width_px},
 };
 use crate::extremes::{Extreme, KINDS};
 
@@ -86,14 +86,12 @@ fn is_justified(input: &ViewInput, skip: Skip, witness: &Witness) -> Result<(), 
             Tally::law("no point is in view", !found, String::new)
         }
         Skip::TooThin => {
-            let is_thin = width < MIN_WIDTH_PX * (1.0 + CLOSE) + CLOSE;
+            let is_thin = width < min_width_px(input) * (1.0 + CLOSE) + CLOSE;
             Tally::law("it is thin", is_thin, || format!("{width} px wide"))
         }
         Skip::BelowPrecision => {
-            let (least, greatest) = lengths(input);
-            let stretched = witness.noise_between(input, least, greatest);
-            let margin = 2.0 * HALF_STEP * witness.noise(input).max(stretched);
-            let is_lost = margin > MAX_MARGIN * (1.0 - 1e-3);
+            let margin = 2.0 * HALF_STEP * witness.noise(input);
+            let is_lost = margin > max_margin(input) * (1.0 - 1e-3);
             Tally::law("the plane is lost in noise", is_lost, || {
                 format!("margin {margin}")
             })
@@ -110,7 +108,7 @@ fn is_sound(input: &ViewInput, plan: &ReflectedViewPlan, tally: &mut Tally) -> R
             .vertices()
             .iter()
             .all(|v| v.as_vec4().is_finite())
-        && [plan.k, plan.w_min, plan.noise, plan.pixel_size, plan.margin]
+        && [plan.k, plan.w_min, plan.noise, plan.ghost_size, plan.margin]
             .iter()
             .all(|value| (*value as f32).is_finite() && *value as f32 > 0.0);
     Tally::law("all is finite in f32", finite, || format!("{plan:?}"))?;
@@ -127,7 +125,7 @@ fn is_sound(input: &ViewInput, plan: &ReflectedViewPlan, tally: &mut Tally) -> R
         let same = plan.clip_from_view_oblique.row(row) == input.clip_from_view.row(row);
         Tally::law("only the depth row changes", same, || format!("row {row}"))?;
     }
-    tally.bound("margin", plan.margin, MAX_MARGIN)
+    tally.bound("margin", plan.margin, max_margin(input))
 }
 
 fn is_worth_drawing(
@@ -141,20 +139,15 @@ fn is_worth_drawing(
         format!("{front}")
     })?;
     let width = witness.width_px(input.viewport_size);
-    let is_wide = width >= MIN_WIDTH_PX * (1.0 - CLOSE) - CLOSE;
+    let is_wide = width >= min_width_px(input) * (1.0 - CLOSE) - CLOSE;
     Tally::law("it is wide enough", is_wide, || format!("{width} px wide"))?;
-    if input.corners.is_none() {
-        return Ok(());
-    }
     let w_min = witness.w_min();
     tally.bound("least w", (plan.w_min - w_min).abs(), 10.0 * CLOSE * w_min)?;
-    if is_rigid(input) {
-        let noise = witness.noise(input);
-        tally.bound("noise factor", (plan.noise - noise).abs(), CLOSE * noise)?;
-    }
+    let noise = witness.noise(input);
+    tally.bound("noise factor", (plan.noise - noise).abs(), CLOSE * noise)?;
 
     // k h = w_min, but for the margin, the guard of the rasterizer and a far end that is not at infinity.
-    if !witness.is_orthographic {
+    if !witness.is_orthographic && input.corners.is_some() {
         let guard = guard(input, witness);
         let fitted = (1.0 - plan.margin) / plan.k - guard;
         let far = witness.far_end(DVec2::ZERO).w;

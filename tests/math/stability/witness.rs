@@ -2,12 +2,21 @@
 //! coordinates, by trying every pair of the lines that bound what is seen.
 
 use bevy_planar_mirror::math::ViewInput;
-use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
+use glam::{DMat3, DMat4, DVec2, DVec3, DVec4, Vec3Swizzles};
 
-/// The rules for leaving a mirror out, as documented.
-pub const MIN_WIDTH_PX: f64 = 0.5;
-pub const MIN_EYE_STEPS: f64 = 4.0;
-pub const MAX_MARGIN: f64 = 0.25;
+/// The rules for leaving a mirror out, as documented: of one that was not drawn, and of one that was.
+pub fn min_width_px(input: &ViewInput) -> f64 {
+    if input.was_drawn { 0.25 } else { 0.5 }
+}
+
+fn min_steps(input: &ViewInput) -> f64 {
+    if input.was_drawn { 2.0 } else { 4.0 }
+}
+
+pub fn max_margin(input: &ViewInput) -> f64 {
+    if input.was_drawn { 0.375 } else { 0.25 }
+}
+
 pub const HALF_STEP: f64 = 1.0 / (1 << 24) as f64;
 
 /// A linear function of the mirror's coordinates `(1, u, v)`, positive inside.
@@ -86,15 +95,16 @@ impl Witness {
     }
 
     /// How far the camera is on the front side, as a multiple of what it must be: its eye's height
-    /// in steps of `f32`, or for an orthographic camera the direction of its look.
+    /// in steps of `f32`, or how steeply an orthographic camera looks down.
     pub fn front(&self, input: &ViewInput) -> f64 {
+        let steps = min_steps(input) * 2.0 * HALF_STEP;
         if self.is_orthographic {
             let forward = input.world_from_view.matrix3 * DVec3::NEG_Z;
-            return 1.0 - input.plane.normal.dot(forward) / forward.length();
+            return -input.plane.normal.dot(forward.normalize()) / steps;
         }
         let (eye, origin) = (input.world_from_view.translation, input.plane.origin);
         let largest = eye.abs().max(origin.abs()).max_element();
-        self.height / (MIN_EYE_STEPS * 2.0 * HALF_STEP * largest).max(f64::MIN_POSITIVE)
+        self.height / (steps * largest).max(f64::MIN_POSITIVE)
     }
 
     /// Looks for a point of the mirror that is well inside of the view: a grid over the mirror,
@@ -152,41 +162,48 @@ impl Witness {
         if least.is_finite() { least } else { 0.0 }
     }
 
-    /// The nearest point of the mirror in view; of one without bounds, of its plane.
+    /// The nearest point of the mirror in view; of one without bounds, of its plane: where a ray
+    /// through a corner of the screen meets it, or at the near plane.
     pub fn w_min(&self) -> f64 {
         if self.frame.is_some() {
             self.seen.iter().map(|v| v.w).fold(f64::INFINITY, f64::min)
         } else if self.is_orthographic {
             1.0
         } else {
-            self.height / (self.f_max + self.height * self.far_end(DVec2::ZERO).w)
+            let near = self.view_from_clip * DVec4::new(0.0, 0.0, 1.0, 1.0);
+            let at_corner = self.height / (self.f_max + self.height * self.far_end(DVec2::ZERO).w);
+            at_corner.max(1.0 / near.w)
         }
     }
 
-    /// The noise factor of `f32`, of a camera that is not stretched.
+    /// The noise factor of `f32`: for each ray the sum of all that is rounded on the way.
     pub fn noise(&self, input: &ViewInput) -> f64 {
-        self.noise_between(input, 1.0, 1.0)
-    }
-
-    /// The same in units of the camera, whose axes are from `least` to `greatest` long.
-    pub fn noise_between(&self, input: &ViewInput, least: f64, greatest: f64) -> f64 {
-        let world = input.world_from_view.translation.length() + input.plane.origin.length();
+        let axes = input.world_from_view.matrix3;
+        let eye = input.world_from_view.translation;
+        let eye = (eye - input.plane.normal * (2.0 * self.height)).length();
+        let w_min = self.w_min();
         let rays = self.screen().into_iter().map(|ndc| {
-            let end = self.far_end(ndc).truncate().length();
+            let far = self.far_end(ndc);
             if self.is_orthographic {
                 let near = self.view_from_clip * ndc.extend(1.0).extend(1.0);
-                end.max((near.truncate() / near.w).length())
+                [far, near]
+                    .map(|end| (axes * (end.truncate() / end.w)).length())
+                    .into_iter()
+                    .fold(0.0, f64::max)
             } else {
-                end
+                (axes * far.truncate()).length()
             }
         });
-        let ray = rays.fold(0.0, f64::max) * greatest / least;
-        let k = greatest / self.f_max;
+        let ray = rays.fold(0.0, f64::max);
+        let k = 1.0 / self.f_max;
         if self.is_orthographic {
-            2.0 * (1.0 + 2.0 * k * (ray + world / least))
-        } else {
-            (1.0 + k) * (1.0 + 2.0 * (ray + world / (least * self.w_min())))
+            return 2.0 + 4.0 * k * (ray + 2.0 * eye);
         }
+        // By how much w grows along each axis of the world.
+        let w_row = input.clip_from_view.row(3).truncate();
+        let w = (axes.transpose().inverse() * w_row).length();
+        let coordinates = 2.0 * ray + 4.0 * eye / w_min;
+        (w + k) / w + (w + k) * coordinates
     }
 }
 
@@ -227,12 +244,16 @@ fn corners_seen([center, u, v]: &[DVec4; 3]) -> Vec<DVec4> {
     for (i, a) in bounds.iter().enumerate() {
         for b in &bounds[i + 1..] {
             // Where both are 0, in homogeneous coordinates.
-            let at = a.cross(*b);
-            let at = at / at.x;
+            let cross = a.cross(*b);
+            let at = cross / cross.x;
             if !at.is_finite() {
                 continue;
             }
-            let is_inside = |bound: &Bound| bound.dot(at) >= -1e-12 * bound.abs().dot(at.abs());
+            // Almost parallel bounds leave less of it.
+            let (a, b) = (a.abs(), b.abs());
+            let terms = a.yzx() * b.zxy() + a.zxy() * b.yzx();
+            let doubt = 1e-12 * at.abs() + 1e-14 * terms / cross.x.abs();
+            let is_inside = |bound: &Bound| bound.dot(at) >= -bound.abs().dot(doubt);
             if bounds.iter().all(is_inside) {
                 seen.push(*center + *u * at.y + *v * at.z);
             }
