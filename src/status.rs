@@ -79,7 +79,8 @@ pub enum NotDrawn {
     EyeBehind,
     /// No part of the mirror is in the camera's view.
     OutOfView,
-    /// The mirror is seen less than half a pixel thin.
+    /// What is seen of the mirror is thinner than half a pixel; if the mirror was drawn in the frame
+    /// before, than a quarter.
     TooThin,
     /// The plane cannot be told from the rounding of single precision at this distance from the
     /// origin.

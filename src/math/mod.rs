@@ -28,6 +28,22 @@
 //! rounds the result once. Distances are taken in relative form, `n.(p - o)`, so that they do not
 //! cancel far from the origin of the world.
 //!
+//! # What is measured
+//!
+//! On random scenes at the extremes (fields of view up to 179 degrees, up to ten million units from
+//! the origin, stretched cameras and mirrors), of which so many are drawn. The last column is the
+//! largest share of its bound that was used.
+//!
+//! | law | scenes | share |
+//! |---|---|---|
+//! | [`depth_error`] of what is visible, in `f32` and three orders of evaluation | 122,073 | 0.51 |
+//! | [`clip_plane_error`], likewise | 122,073 | 0.50 |
+//! | [`margin`] at the far end of every ray, of a depth row rounded to `f32` | 407,959 | 0.12 |
+//! | [`clip_plane_error`], of such a row | 407,959 | 0.11 |
+//! | [`ReflectedViewPlan::ghost_tolerance`], of a quarter of a pixel | 407,959 | 1.00 |
+//!
+//! `PLANAR_MIRROR_STABILITY=full cargo test --test math stability -- --nocapture` measures it anew.
+//!
 //! # Errors
 //!
 //! Nothing here panics. What cannot be answered is `None` or a named reason; not a number and

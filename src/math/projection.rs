@@ -46,7 +46,7 @@ impl BaseProjection {
         self.view_from_clip.transpose() * view_covector
     }
 
-    /// The same for points in the axes of the world, seen from the eye.
+    /// The same projection of points given in the axes and the units of the world, from the eye.
     pub fn around_eye(&self, world_from_view: &DMat3, view_from_world: &DMat3) -> Self {
         Self {
             clip_from_view: self.clip_from_view * DMat4::from_mat3(*view_from_world),
@@ -56,9 +56,9 @@ impl BaseProjection {
         }
     }
 
-    /// How far the visible points of a pixel may lie from the eye, in view units: the ray's
-    /// length per unit of `w` for a perspective, the distance of its farther end for an
-    /// orthographic projection.
+    /// How far the visible points of a pixel may lie from the eye: the ray's length per unit of `w`
+    /// for a perspective, the distance of its farther end for an orthographic projection. In the
+    /// units of the space that the projection starts from.
     pub(super) fn ray_length(&self, ndc: DVec2) -> f64 {
         let end = |z| self.view_from_clip * ndc.extend(z).extend(1.0);
         if self.is_orthographic {

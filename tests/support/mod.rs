@@ -14,5 +14,6 @@ pub mod props;
 pub mod random;
 pub mod reference;
 pub mod scene;
+pub mod split_mix;
 pub mod stage;
 pub mod studio;

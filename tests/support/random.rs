@@ -5,31 +5,24 @@ use bevy::{camera::ScalingMode, prelude::*};
 use super::{
     props::{lamp, lit, sun},
     scene::{Look, Scene, Surface},
+    split_mix::SplitMix,
 };
 
-/// SplitMix64.
-pub struct Random(u64);
+/// Numbers of the kinds that a scene is made of.
+pub struct Random(SplitMix);
 
 impl Random {
     pub fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        Self(SplitMix::new(seed))
     }
 
     pub fn between(&mut self, low: f32, high: f32) -> f32 {
-        let share = (self.next() >> 40) as f32 / (1_u64 << 24) as f32;
+        let share = (self.0.next() >> 40) as f32 / (1_u64 << 24) as f32;
         low + (high - low) * share
     }
 
     pub fn below(&mut self, count: u64) -> u64 {
-        self.next() % count
+        self.0.next() % count
     }
 
     pub fn within(&mut self, low: Vec3, high: Vec3) -> Vec3 {
