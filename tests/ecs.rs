@@ -22,4 +22,5 @@ mod ecs {
     mod status;
     mod steady;
     mod untouched;
+    mod windows;
 }

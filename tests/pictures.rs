@@ -9,6 +9,7 @@ mod pictures {
     mod bounces;
     mod cameras;
     mod changes;
+    mod churn;
     mod company;
     mod contents;
     mod cutting;

@@ -31,7 +31,7 @@ impl BaseProjection {
             view_from_clip.z_axis.z = 0.0;
             view_from_clip.w_axis.z = -1.0;
         }
-        let is_orthographic = w_row.truncate() == DVec3::ZERO;
+        let is_orthographic = is_orthographic(clip_from_view);
         let usable = view_from_clip.is_finite() && (!is_orthographic || w_row.w > 0.0);
         usable.then_some(Self {
             clip_from_view: *clip_from_view,
@@ -70,4 +70,9 @@ impl BaseProjection {
             end(0.0).truncate().length()
         }
     }
+}
+
+/// Whether clip `w` is the same for all points.
+pub fn is_orthographic(clip_from_view: &DMat4) -> bool {
+    clip_from_view.row(3).truncate() == DVec3::ZERO
 }

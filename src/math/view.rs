@@ -10,7 +10,7 @@ use super::{
     },
     plane::Plane,
     polygon::{Opening, VisiblePolygon, clip_polygon_within},
-    projection::BaseProjection,
+    projection::{BaseProjection, is_orthographic},
     reflection::reflected_world_from_view,
 };
 
@@ -166,15 +166,19 @@ pub fn plan_reflected_view_within(
     } else {
         Limits::NEW
     };
-    let projection = checked_projection(input)?;
+    if !is_sound(input) {
+        return Err(Skip::DegenerateView);
+    }
+    // First what is cheap to tell: of many mirrors most are not seen.
+    if !is_seen_from_front(input, limits.steps) {
+        return Err(Skip::EyeBehind);
+    }
+    let projection = BaseProjection::new(&input.clip_from_view).ok_or(Skip::DegenerateView)?;
     let view_from_world = checked_inverse(&world_from_view)?;
 
     let eye = world_from_view.translation;
     let eye_height = plane.signed_distance(eye);
     let plane_view = plane_in_reflected_view(&plane, &world_from_view);
-    if !is_seen_from_front(&projection, &world_from_view, &plane, limits.steps) {
-        return Err(Skip::EyeBehind);
-    }
 
     let polygon = match &input.corners {
         None => VisiblePolygon::all_within(opening),
@@ -230,25 +234,21 @@ pub fn plan_reflected_view_within(
     is_usable(&plan).then_some(plan).ok_or(Skip::DegenerateView)
 }
 
-fn checked_projection(input: &ViewInput) -> Result<BaseProjection, Skip> {
-    let finite = input.plane.is_finite()
+/// Whether the numbers make sense, each by itself.
+fn is_sound(input: &ViewInput) -> bool {
+    input.plane.is_finite()
         && input.plane.normal.is_normalized()
+        && input.world_from_view.is_finite()
+        && input.clip_from_view.is_finite()
         && input.viewport_size.is_finite()
         && input.viewport_size.min_element() > 0.0
         && input.jitter_px.is_finite()
         && input.jitter_px >= 0.0
-        && input.corners.iter().flatten().all(|p| p.is_finite());
-    if !finite {
-        return Err(Skip::DegenerateView);
-    }
-    BaseProjection::new(&input.clip_from_view).ok_or(Skip::DegenerateView)
+        && input.corners.iter().flatten().all(|p| p.is_finite())
 }
 
 /// The inverse of the camera's axes.
 fn checked_inverse(world_from_view: &DAffine3) -> Result<DMat3, Skip> {
-    if !world_from_view.is_finite() {
-        return Err(Skip::DegenerateView);
-    }
     world_from_view
         .matrix3
         .try_inverse()
@@ -257,14 +257,14 @@ fn checked_inverse(world_from_view: &DAffine3) -> Result<DMat3, Skip> {
 }
 
 /// A perspective must have its eye in front, an orthographic camera must look at the front.
-fn is_seen_from_front(
-    projection: &BaseProjection,
-    world_from_view: &DAffine3,
-    plane: &Plane,
-    steps: f64,
-) -> bool {
+fn is_seen_from_front(input: &ViewInput, steps: f64) -> bool {
+    let ViewInput {
+        world_from_view,
+        plane,
+        ..
+    } = input;
     let step = f64::from(f32::EPSILON);
-    if projection.is_orthographic {
+    if is_orthographic(&input.clip_from_view) {
         let backward = world_from_view.matrix3.z_axis;
         plane.normal.dot(backward) > steps * step * backward.length()
     } else {

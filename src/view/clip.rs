@@ -36,11 +36,17 @@ pub fn clip_reflected_views(
     decals: Query<(), With<ForwardDecal>>,
 ) {
     let ReflectedViews {
-        planned, surfaces, ..
+        planned,
+        surfaces,
+        alive,
+        ..
     } = &mut *views;
     for planned in planned {
-        let Some((mut visible, camera)) =
-            planned.entity.and_then(|view| reflected.get_mut(view).ok())
+        let Some(view) = planned.entity else {
+            continue;
+        };
+        let (Some(live), Ok((mut visible, camera))) =
+            (alive.get_mut(&view), reflected.get_mut(view))
         else {
             continue;
         };

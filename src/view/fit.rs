@@ -1,7 +1,7 @@
 //! The plane of each mirror's mesh, fitted once per mesh asset.
 
 use bevy::{
-    asset::{AssetEvent, AssetId, Assets},
+    asset::{AssetEvent, AssetId, Assets, RenderAssetUsages},
     ecs::prelude::*,
     mesh::{Indices, Mesh, Mesh3d, MeshAccessError, PrimitiveTopology, VertexAttributeValues},
     platform::collections::HashMap,
@@ -44,6 +44,10 @@ pub fn fit_mirror_planes(
 }
 
 fn patch_of(mesh: &Mesh) -> Result<PlanarPatch, NotDrawn> {
+    // It may still be here, for the renderer to take at the next extraction.
+    if !mesh.asset_usage.contains(RenderAssetUsages::MAIN_WORLD) {
+        return Err(NotDrawn::MeshNotInMainWorld);
+    }
     let positions = match mesh.try_attribute(Mesh::ATTRIBUTE_POSITION) {
         Ok(VertexAttributeValues::Float32x3(positions)) => positions,
         Err(MeshAccessError::ExtractedToRenderWorld) => return Err(NotDrawn::MeshNotInMainWorld),

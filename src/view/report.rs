@@ -1,14 +1,16 @@
 //! Writes [`MirrorStatus`], and one line in the log for each thing that only the user can mend.
 
 use bevy::{
-    ecs::{entity::EntityHashSet, prelude::*},
+    camera::Camera3d,
+    ecs::{entity::EntityHashSet, entity_disabling::Disabled, prelude::*, query::Allow},
     log::warn,
     platform::collections::HashSet,
 };
 
 use super::{Decision, ReflectedViews};
-use crate::status::{
-    CameraStatus, MirrorFigures, MirrorState, MirrorStatus, NotDrawn, ViewFigures,
+use crate::{
+    mirror::PlanarMirror,
+    status::{CameraStatus, MirrorFigures, MirrorState, MirrorStatus, NotDrawn, ViewFigures},
 };
 
 /// Brings every mirror's status in line with what this frame decided; change detection sees only
@@ -16,9 +18,12 @@ use crate::status::{
 pub fn report_status(
     views: Res<ReflectedViews>,
     mut statuses: Query<(Entity, &mut MirrorStatus)>,
+    known: Query<(), (Or<(With<PlanarMirror>, With<Camera3d>)>, Allow<Disabled>)>,
     mut decided: Local<EntityHashSet>,
     mut warned: Local<HashSet<(Option<Entity>, NotDrawn)>>,
 ) {
+    // What is gone is never warned of again, so it need not be remembered.
+    warned.retain(|(whom, _)| whom.is_none_or(|entity| known.contains(entity)));
     decided.clear();
     decided.extend(views.decisions.iter().map(|decision| decision.mirror));
     for (entity, mut status) in &mut statuses {

@@ -30,32 +30,58 @@ fn assert_mirrored_about(app: &mut MirrorApp, camera: Entity, mirror: Entity, on
     );
 }
 
-#[test]
-fn a_new_mesh_has_a_new_plane_in_the_same_frame() {
+/// Whatever mesh is put on a mirror in this way, its plane is the mirror's in the same frame.
+#[track_caller]
+fn assert_plane_follows(put: impl Fn(&mut MirrorApp, Entity, Mesh)) {
     let mut app = mirror_app();
     let (mirror, camera) = (app.spawn_mirror(default()), app.spawn_camera(EYE));
     app.update();
     for (height, turn) in [(1.0, 0.0), (0.0, 0.3), (-0.5, -0.2)] {
-        let mesh = app.mesh(square(height, turn));
-        app.insert(mirror, Mesh3d(mesh));
+        put(&mut app, mirror, square(height, turn));
         app.update();
         let on = Quat::from_rotation_y(turn) * vec3(0.0, 0.0, height);
         assert_mirrored_about(&mut app, camera, mirror, on, turn);
     }
 }
 
+/// Fills a place that is kept for a mesh.
+fn fill(app: &mut MirrorApp, id: AssetId<Mesh>, mesh: Mesh) {
+    let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+    meshes.insert(id, mesh).expect("a handle keeps it");
+}
+
+fn empty(app: &mut MirrorApp, id: AssetId<Mesh>) {
+    let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+    meshes.remove(id).expect("it is there");
+}
+
+#[test]
+fn a_new_mesh_has_a_new_plane_in_the_same_frame() {
+    assert_plane_follows(|app, mirror, mesh| {
+        let mesh = app.mesh(mesh);
+        app.insert(mirror, Mesh3d(mesh));
+    });
+}
+
 #[test]
 fn a_mesh_changed_in_place_has_a_new_plane_in_the_same_frame() {
-    let mut app = mirror_app();
-    let (mirror, camera) = (app.spawn_mirror(default()), app.spawn_camera(EYE));
-    app.update();
-    let id = app.of::<Mesh3d>(mirror).id();
-    for (height, turn) in [(1.0, 0.0), (0.0, 0.3)] {
+    assert_plane_follows(|app, mirror, mesh| {
+        let id = app.of::<Mesh3d>(mirror).id();
         let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
-        *meshes.get_mut(id).expect("it is there") = square(height, turn);
-        app.update();
-        let on = Quat::from_rotation_y(turn) * vec3(0.0, 0.0, height);
-        assert_mirrored_about(&mut app, camera, mirror, on, turn);
+        *meshes.get_mut(id).expect("it is there") = mesh;
+    });
+}
+
+/// What was known of the old one does not count any more.
+#[test]
+fn a_mesh_in_place_of_one_that_was_removed_has_a_plane_of_its_own() {
+    for frames_between in [0, 2] {
+        assert_plane_follows(|app, mirror, mesh| {
+            let id = app.of::<Mesh3d>(mirror).id();
+            empty(app, id);
+            app.updates(frames_between);
+            fill(app, id, mesh);
+        });
     }
 }
 
@@ -73,8 +99,7 @@ fn a_mesh_that_is_bent_and_flattened_again_says_so() {
         ),
         (square(0.0, 0.1), PLAIN),
     ] {
-        let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
-        meshes.insert(id, mesh).expect("it is still in use");
+        fill(&mut app, id, mesh);
         app.update();
         app.assert_state(mirror, camera, expected);
         assert_eq!(app.views().len(), usize::from(expected == PLAIN));
@@ -90,15 +115,11 @@ fn a_mirror_waits_for_its_mesh() {
     app.updates(3);
     app.assert_state(mirror, camera, not(NotDrawn::NoMesh));
     assert!(app.views().is_empty());
-    let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
-    meshes
-        .insert(&late, square(0.0, 0.0))
-        .expect("it is reserved");
+    fill(&mut app, late.id(), square(0.0, 0.0));
     app.update();
     app.assert_state(mirror, camera, PLAIN);
     // And it may go again.
-    let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
-    meshes.remove(&late);
+    empty(&mut app, late.id());
     app.update();
     app.assert_state(mirror, camera, not(NotDrawn::NoMesh));
     assert!(app.views().is_empty());
@@ -113,10 +134,7 @@ fn a_mirror_with_a_given_plane_waits_for_its_mesh_too() {
     app.insert(mirror, Mesh3d(late.clone()));
     app.update();
     app.assert_state(mirror, camera, not(NotDrawn::NoMesh));
-    let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
-    meshes
-        .insert(&late, square(0.0, 0.0))
-        .expect("it is reserved");
+    fill(&mut app, late.id(), square(0.0, 0.0));
     app.update();
     app.assert_state(mirror, camera, PLAIN);
 }
@@ -218,5 +236,28 @@ fn lists_and_strips_with_and_without_indices_face_alike() {
         app.of_mut::<Transform>(mirror).rotation = Quat::from_rotation_y(std::f32::consts::PI);
         app.update();
         app.assert_state(mirror, camera, not(NotDrawn::EyeBehind));
+    }
+}
+
+/// If they had not, the larger half would decide: once the first triangle, once the second.
+#[test]
+fn all_triangles_of_a_strip_have_the_same_front() {
+    let mut app = mirror_app();
+    let (mirror, camera) = (app.spawn_mirror(default()), app.spawn_camera(EYE));
+    for (below, above) in [(0.2, 1.0), (1.0, 0.2)] {
+        let trapezoid = vec![
+            [-below, -1.0, 0.5],
+            [below, -1.0, 0.5],
+            [-above, 1.0, 0.5],
+            [above, 1.0, 0.5],
+        ];
+        let topology = PrimitiveTopology::TriangleStrip;
+        let mesh = Mesh::new(topology, RenderAssetUsages::all())
+            .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, trapezoid);
+        let mesh = app.mesh(mesh);
+        app.insert(mirror, Mesh3d(mesh));
+        app.update();
+        app.assert_state(mirror, camera, PLAIN);
+        assert_mirrored_about(&mut app, camera, mirror, vec3(0.0, 0.0, 0.5), 0.0);
     }
 }

@@ -115,13 +115,21 @@ fn the_projection_changes_when_something_dips_and_comes_back() {
 
 #[test]
 fn what_the_mirror_does_not_show_needs_no_cut() {
-    // It straddles the plane, outside what can be seen in the mirror's frame: beside the mirror, and far behind
-    // the camera's back.
-    for place in [vec3(30.0, 0.0, -3.0), vec3(0.0, 0.0, 60.0)] {
+    // It straddles the plane, outside what can be seen in the mirror's frame: far from it, and on each side of it
+    // where the camera's own view goes on.
+    for (place, seen) in [
+        (vec3(30.0, 0.0, -3.0), false),
+        (vec3(0.0, 0.0, 60.0), false),
+        (vec3(2.0, 0.0, 0.0), true),
+        (vec3(-2.0, 0.0, 0.0), true),
+        (vec3(0.0, 0.0, 2.0), true),
+        (vec3(0.0, 0.0, -3.0), true),
+    ] {
         let mut ground = Ground::new();
         let cube = ground.app.spawn_cube(0.4, place);
         assert_eq!(ground.state(), PLAIN, "at {place}");
-        assert!(!ground.reflected().contains(&cube));
+        assert!(!ground.reflected().contains(&cube), "at {place}");
+        assert_eq!(ground.app.visible_to(ground.camera).contains(&cube), seen);
     }
 }
 

@@ -11,7 +11,8 @@ use bevy::{
     },
 };
 use bevy_planar_mirror::{
-    MirrorClip, MirrorPlane, MirrorState, MirrorStatus, NoMirrors, NotDrawn, PlanarMirror,
+    MirrorClip, MirrorPlane, MirrorShadows, MirrorState, MirrorStatus, NoMirrors, NotDrawn,
+    PlanarMirror,
     status::{self, CameraStatus},
 };
 use serde::de::DeserializeSeed;
@@ -87,6 +88,7 @@ fn mirrors() -> Vec<PlanarMirror> {
                 normal: vec3(0.0, 0.6, 0.8),
             },
             clip: MirrorClip::Oblique,
+            shadows: MirrorShadows::Off,
         },
         PlanarMirror {
             clip: MirrorClip::Whole,

@@ -2,6 +2,7 @@
 
 use bevy::{
     asset::RenderAssetUsages,
+    camera::Viewport,
     mesh::{Indices, PrimitiveTopology},
     prelude::*,
     render::settings::{WgpuFeatures, WgpuSettings},
@@ -14,7 +15,7 @@ use crate::support::{
     props::at,
     scene::{Scene, Surface},
     stage::Stage,
-    studio::Studio,
+    studio::{Studio, add_camera},
 };
 
 /// The hall with another mirror in place of its own.
@@ -44,6 +45,15 @@ fn bent() -> Mesh {
         ],
     )
     .with_inserted_indices(Indices::U32(vec![0, 1, 2, 0, 2, 3]))
+}
+
+/// A triangle of which one corner does not exist.
+fn out_of_range() -> Mesh {
+    mesh(
+        PrimitiveTopology::TriangleList,
+        &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+    )
+    .with_inserted_indices(Indices::U32(vec![0, 1, 7]))
 }
 
 fn mesh(topology: PrimitiveTopology, positions: &[[f32; 3]]) -> Mesh {
@@ -79,6 +89,7 @@ fn a_bad_mirror_changes_no_pixel_and_says_so_once() {
             "not made of",
         ),
         ("bent", of_mesh(bent()), "not flat"),
+        ("out-of-range", of_mesh(out_of_range()), "not made of"),
     ];
     let mut studio = Studio::default();
     for (name, surface, reason) in cases {
@@ -108,6 +119,58 @@ fn a_bad_mirror_does_not_disturb_a_good_one() {
     });
     let both = studio.picture(&scene);
     both.assert_same(&good, "beside-a-bad-one");
+}
+
+/// The errors that an app reports with the plugin are those that it reports without.
+///
+/// For input that the engine itself cannot draw: it stops at the first error, so there is no picture to compare.
+#[track_caller]
+fn assert_same_errors(scene: &Scene, spoil: impl Fn(&mut Live)) {
+    let [errors, known] = [Live::new(scene), Live::plain(Stage::stock(), scene)].map(|mut live| {
+        spoil(&mut live);
+        (0..5)
+            .filter_map(|_| live.stage.try_frame(App::update).err())
+            .collect::<Vec<_>>()
+    });
+    assert_eq!(errors, known, "{}", scene.name);
+}
+
+#[test]
+fn a_mirror_without_corners_causes_no_error_of_its_own() {
+    let empty = of_mesh(mesh(PrimitiveTopology::TriangleList, &[]));
+    assert_same_errors(&with("bad-empty", empty), |_| {});
+}
+
+#[test]
+fn a_viewport_without_pixels_causes_no_error_of_its_own() {
+    assert_same_errors(&hall("no-pixels"), |live| {
+        let camera = live.camera;
+        let mut camera = live.world().get_mut::<Camera>(camera).expect("it is one");
+        camera.viewport = Some(Viewport {
+            physical_size: UVec2::ZERO,
+            ..default()
+        });
+    });
+}
+
+/// It sees no mirror, and the other camera sees what it would see without it.
+#[test]
+fn a_camera_that_is_nowhere_disturbs_no_other() {
+    let scene = hall("nowhere");
+    let alone = Live::new(&scene).settled();
+    for place in [at(f32::NAN, 0.0, 0.0), at(0.0, f32::INFINITY, 0.0)] {
+        let nowhere = |mut live: Live| {
+            let target = live.stage.target(scene.size);
+            let camera = add_camera(&mut live.stage, &scene, target.clone());
+            live.world().entity_mut(camera).insert(place);
+            let beside = live.settled();
+            (beside, live.stage.read(&target, scene.size))
+        };
+        let (beside, shown) = nowhere(Live::new(&scene));
+        beside.assert_same(&alone, "beside-nowhere");
+        let (_, plain) = nowhere(Live::plain(Stage::stock(), &scene));
+        assert_eq!(shown, plain, "at {}", place.translation);
+    }
 }
 
 /// Without the format that keeps the main pass's depth there is another.

@@ -1,6 +1,11 @@
-//! What a mirror that nobody sees costs the renderer: nothing.
+//! What a mirror that nobody sees costs the renderer: nothing. And what one costs that stays as it is: nothing that grows.
 
-use bevy::{prelude::*, render::camera::ExtractedCamera};
+use std::collections::BTreeSet;
+
+use bevy::{
+    prelude::*,
+    render::{camera::ExtractedCamera, renderer::RenderInstance},
+};
 
 use crate::support::{
     hall::hall,
@@ -101,5 +106,62 @@ fn a_mirror_that_leaves_the_view_takes_all_with_it_but_its_pipelines() {
             left.camera_components < seen.camera_components,
             "{way}: {left:?}, {seen:?}"
         );
+    }
+}
+
+/// What a frame in which nothing happens leaves as it was.
+#[derive(Debug, PartialEq)]
+struct Steady {
+    main: Kept,
+    render: Kept,
+    pipelines: usize,
+    textures: usize,
+    buffers: usize,
+}
+
+/// The entities of a world, by id and generation, and its archetypes.
+#[derive(Debug, PartialEq)]
+struct Kept {
+    entities: BTreeSet<Entity>,
+    archetypes: usize,
+}
+
+fn kept(world: &World) -> Kept {
+    let archetypes = world.archetypes();
+    let entities = archetypes.iter().flat_map(|archetype| archetype.entities());
+    Kept {
+        entities: entities.map(|entity| entity.id()).collect(),
+        archetypes: archetypes.len(),
+    }
+}
+
+fn steady(live: &mut Live) -> Steady {
+    let main = kept(live.world());
+    let pipelines = live.stage.pipeline_labels().len();
+    let render = live.stage.render_world();
+    let report = render.resource::<RenderInstance>().generate_report();
+    let report = report.expect("it runs on this machine").hub;
+    Steady {
+        main,
+        render: kept(render),
+        pipelines,
+        textures: report.textures.num_allocated,
+        buffers: report.buffers.num_allocated,
+    }
+}
+
+#[test]
+fn a_frame_in_which_nothing_happens_adds_nothing_in_either_world() {
+    let seen: (&str, Hide) = ("seen", |_, _| {});
+    for (way, hide) in WAYS.into_iter().chain([seen]) {
+        let mut live = Live::new(&scene());
+        let mirror = find(live.world(), "mirror");
+        hide(live.world(), mirror);
+        live.settled();
+        let before = steady(&mut live);
+        for frame in 0..8 {
+            live.stage.frame();
+            assert_eq!(steady(&mut live), before, "{way}, frame {frame}");
+        }
     }
 }

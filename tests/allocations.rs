@@ -1,0 +1,152 @@
+//! What the plugin allocates in the main world in a frame in which nothing happens.
+//!
+//! The app has the plugin's systems and no others, which run on this thread: the engine's own systems allocate too, and
+//! not the same in every frame.
+
+use allocation_counter::{AllocationInfo, measure};
+use bevy::{
+    asset::AssetEvent,
+    camera::{CameraProjection, RenderTargetInfo, visibility::InheritedVisibility},
+    ecs::schedule::{Schedules, SingleThreadedExecutor},
+    prelude::*,
+    render::RenderApp,
+};
+use bevy_planar_mirror::{MirrorState, MirrorStatus, NotDrawn, PlanarMirror, PlanarMirrorPlugin};
+
+fn app() -> App {
+    let mut app = App::new();
+    app.insert_resource(Assets::<Mesh>::default())
+        .add_message::<AssetEvent<Mesh>>();
+    // A renderer that draws nothing.
+    let mut renderer = SubApp::new();
+    renderer.set_extract(|_, _| {});
+    app.insert_sub_app(RenderApp, renderer);
+    app.add_plugins(PlanarMirrorPlugin::default())
+        .init_resource::<Moves>()
+        .add_systems(Update, move_camera);
+    let mut schedules = app.world_mut().resource_mut::<Schedules>();
+    for (_, schedule) in schedules.iter_mut() {
+        schedule.set_executor(SingleThreadedExecutor::new());
+    }
+    app.finish();
+    app.cleanup();
+    app
+}
+
+/// Mirrors that are drawn and a camera that sees them, some frames after they came.
+fn app_with_mirrors(count: usize) -> App {
+    let mut app = app();
+    let mesh = mesh(&mut app);
+    for index in 0..count {
+        let place = Transform::from_xyz(index as f32 * 0.1, 0.0, 0.0);
+        spawn_mirror(&mut app, mesh.clone(), place);
+    }
+    spawn_camera(&mut app);
+    for _ in 0..5 {
+        app.update();
+    }
+    let world = app.world_mut();
+    let mut statuses = world.query::<&MirrorStatus>();
+    assert!(statuses.iter(world).all(MirrorStatus::is_drawn));
+    app
+}
+
+fn mesh(app: &mut App) -> Handle<Mesh> {
+    let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+    meshes.add(Rectangle::new(1.0, 1.0))
+}
+
+/// With all that the engine would compute of it.
+fn spawn_mirror(app: &mut App, mesh: Handle<Mesh>, place: Transform) -> Entity {
+    let mirror = (
+        Mesh3d(mesh),
+        place,
+        GlobalTransform::from(place),
+        InheritedVisibility::VISIBLE,
+        PlanarMirror::default(),
+    );
+    app.world_mut().spawn(mirror).id()
+}
+
+/// With all that the engine would compute of it.
+fn spawn_camera(app: &mut App) {
+    const SIZE: UVec2 = uvec2(200, 100);
+    let mut projection = PerspectiveProjection::default();
+    projection.update(SIZE.x as f32, SIZE.y as f32);
+    let mut camera = Camera::default();
+    camera.computed.clip_from_view = projection.get_clip_from_view();
+    camera.computed.target_info = Some(RenderTargetInfo {
+        physical_size: SIZE,
+        scale_factor: 1.0,
+    });
+    let place = GlobalTransform::from_xyz(0.0, 0.0, 5.0);
+    let projection = Projection::from(projection);
+    let camera = (Camera3d::default(), camera, projection, place);
+    app.world_mut().spawn(camera);
+}
+
+/// Whether the camera moves.
+#[derive(Resource, Default)]
+struct Moves(bool);
+
+fn move_camera(
+    moves: Res<Moves>,
+    mut places: Query<&mut GlobalTransform, With<Camera3d>>,
+    mut step: Local<f32>,
+) {
+    if moves.0 {
+        *step += 0.001;
+        for mut place in &mut places {
+            *place = GlobalTransform::from_xyz(*step, 0.0, 5.0);
+        }
+    }
+}
+
+fn allocations_in(app: &mut App, frames: u64) -> AllocationInfo {
+    measure(|| (0..frames).for_each(|_| app.update()))
+}
+
+#[test]
+fn without_mirrors_nothing_is_allocated() {
+    let info = allocations_in(&mut app_with_mirrors(0), 100);
+    assert_eq!(info.count_total, 0, "{info:?}");
+}
+
+/// The views are listed when they are hidden from the user's systems, when extraction is to see them, and when they
+/// are hidden again; nothing else is allocated, whether the camera moves or not.
+#[test]
+fn mirrors_cost_three_short_lists_a_frame_and_no_more_for_many() {
+    const FRAMES: u64 = 100;
+    for count in [1, 2, 20] {
+        for moves in [false, true] {
+            let mut app = app_with_mirrors(count);
+            app.world_mut().resource_mut::<Moves>().0 = moves;
+            let info = allocations_in(&mut app, FRAMES);
+            assert!(info.count_total <= 3 * FRAMES, "{count} mirrors: {info:?}");
+            assert_eq!(info.bytes_current, 0, "{count} mirrors: {info:?}");
+        }
+    }
+}
+
+/// Each is warned of once, and none is remembered when it is gone.
+#[test]
+fn bad_mirrors_that_come_and_go_hold_no_memory() {
+    let mut app = app_with_mirrors(1);
+    let mesh = mesh(&mut app);
+    let mut come_and_go = |frames: usize| {
+        measure(|| {
+            for _ in 0..frames {
+                let flat = Transform::from_scale(Vec3::ZERO);
+                let bad = spawn_mirror(&mut app, mesh.clone(), flat);
+                app.update();
+                let status = app.world().get::<MirrorStatus>(bad).expect("it is there");
+                let state = status.cameras[0].state;
+                let reason = NotDrawn::DegenerateTransform;
+                assert_eq!(state, MirrorState::NotDrawn(reason));
+                app.world_mut().despawn(bad);
+            }
+        })
+    };
+    come_and_go(1000);
+    assert_eq!(come_and_go(3000).bytes_current, 0);
+}
