@@ -57,7 +57,11 @@ mod sheet;
 mod spans;
 mod stats;
 #[path = "../../tests/support/mod.rs"]
-#[expect(dead_code, reason = "the picture tests need more of it")]
+#[expect(
+    dead_code,
+    unused_imports,
+    reason = "the picture tests need more of it"
+)]
 mod support;
 mod table;
 mod techniques;

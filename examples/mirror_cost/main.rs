@@ -56,7 +56,11 @@ mod spans;
 #[path = "../error_vs_time/stats.rs"]
 mod stats;
 #[path = "../../tests/support/mod.rs"]
-#[expect(dead_code, reason = "the picture tests need more of it")]
+#[expect(
+    dead_code,
+    unused_imports,
+    reason = "the picture tests need more of it"
+)]
 mod support;
 mod told;
 
