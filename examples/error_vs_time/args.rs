@@ -4,7 +4,11 @@ use std::{path::PathBuf, process::ExitCode};
 
 use argh::FromArgs;
 
-use crate::scenes::{self, Case};
+use crate::{
+    scenes::{self, Case},
+    shared::cli,
+    truth,
+};
 
 /// Error against run time of ways to draw a planar mirror: a table, a CSV and a chart.
 #[derive(FromArgs)]
@@ -47,25 +51,26 @@ pub struct Plan {
     pub pictures: bool,
 }
 
+impl Plan {
+    /// A line that says so.
+    pub fn about(&self) -> String {
+        format!(
+            "pictures {} pixels high, {} frames each, interleaved; reference {} samples a pixel",
+            self.height,
+            self.frames,
+            truth::SAMPLES * truth::SAMPLES,
+        )
+    }
+}
+
 /// Reads the command line. `Err` has said on the terminal what there was to say.
 pub fn parse() -> Result<Plan, ExitCode> {
-    let given: Vec<String> = std::env::args_os()
-        .skip(1)
-        .map(|arg| arg.to_string_lossy().into_owned())
-        .collect();
-    let given: Vec<&str> = given.iter().map(String::as_str).collect();
-    let args = Args::from_args(&["error_vs_time"], &given).map_err(|exit| match exit.status {
-        Ok(()) => {
-            println!("{}", exit.output.trim_end());
-            ExitCode::SUCCESS
-        }
-        Err(()) => complain(&exit.output),
-    })?;
+    let args: Args = cli::parse()?;
     if args.list {
         print!("{}", list());
         return Err(ExitCode::SUCCESS);
     }
-    args.plan().map_err(|line| complain(&line))
+    args.plan().map_err(|line| cli::complain(&line))
 }
 
 impl Args {
@@ -109,26 +114,12 @@ fn list() -> String {
     scenes::all().iter().map(line).collect()
 }
 
-/// One line on the terminal, and the exit code for arguments that make no sense.
-fn complain(text: &str) -> ExitCode {
-    let line: Vec<&str> = text.split_whitespace().collect();
-    eprintln!("error_vs_time: {} (--help lists all)", line.join(" "));
-    ExitCode::from(2)
-}
-
-fn within(text: &str, low: u32, high: u32, what: &str) -> Result<u32, String> {
-    let value: Option<u32> = text.parse().ok();
-    value
-        .filter(|value| (low..=high).contains(value))
-        .ok_or_else(|| format!("expected {low} to {high} {what}"))
-}
-
 fn size(text: &str) -> Result<u32, String> {
-    within(text, 48, 1080, "pixels, as in 360")
+    cli::within(text, 48..=1080, "48 to 1080 pixels, as in 360")
 }
 
 fn frames(text: &str) -> Result<u32, String> {
-    within(text, 1, 1000, "frames, as in 40")
+    cli::within(text, 1..=1000, "1 to 1000 frames, as in 40")
 }
 
 #[cfg(test)]

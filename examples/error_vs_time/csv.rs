@@ -10,6 +10,7 @@ use std::{
 use crate::{
     edge::Found,
     row::{Measured, Row},
+    shared::table::quoted,
     stats::Summary,
 };
 
@@ -151,16 +152,6 @@ fn number(value: Option<f64>) -> String {
     })
 }
 
-/// A field as RFC 4180 has it: one line, in quotes where it needs them.
-fn quoted(field: &str) -> String {
-    let line = field.split_whitespace().collect::<Vec<_>>().join(" ");
-    if line.contains([',', '"']) {
-        format!("\"{}\"", line.replace('"', "\"\""))
-    } else {
-        line
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::fs;
@@ -223,12 +214,6 @@ mod tests {
             (of("samples"), of("mirror_share"), of("reason")),
             ("4", "0.25", "")
         );
-    }
-
-    #[test]
-    fn a_field_stays_one_field_on_one_line() {
-        assert_eq!(quoted("a, \"b\"\n c"), "\"a, \"\"b\"\" c\"");
-        assert_eq!(quoted("plain"), "plain");
     }
 
     #[test]

@@ -74,11 +74,11 @@ pub fn settle(stage: &mut Stage) -> Result<(), String> {
 /// Updates until diagnostics of a frame after this call have come back.
 pub fn spans(stage: &mut Stage) -> Result<Spans, String> {
     let mut reader = Reader::default();
-    reader.read(stage);
+    reader.read(stage.world().resource());
     let mut newest = None;
     for _ in 0..6 {
         stage.try_frame(App::update)?;
-        newest = reader.read(stage).or(newest);
+        newest = reader.read(stage.world().resource()).or(newest);
     }
     newest.ok_or_else(|| "the engine's diagnostics never came".to_owned())
 }

@@ -19,6 +19,7 @@ use crate::{
     attempt::attempt,
     frames,
     memory::Memory,
+    shared::table::aligned,
     spans::Spans,
     support::{
         props::{add, at, glass, lit, six_colors, spot, sun},
@@ -26,7 +27,6 @@ use crate::{
         stage::Stage,
         studio::{build_plain, build_with_mirrors},
     },
-    table::aligned,
 };
 
 const SIZE: UVec2 = UVec2::new(320, 180);

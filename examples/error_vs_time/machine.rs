@@ -4,10 +4,10 @@ use std::process::Command;
 
 use bevy::render::renderer::RenderAdapterInfo;
 
-use crate::{args::Plan, support::stage::Stage, truth};
+use crate::support::stage::Stage;
 
-/// Lines for the terminal, the CSV and the chart.
-pub fn about(stage: &mut Stage, plan: &Plan) -> Vec<String> {
+/// Lines for the terminal, the CSV and the chart; `what` is one of them.
+pub fn about(stage: &mut Stage, what: &str) -> Vec<String> {
     let adapter = stage.world().resource::<RenderAdapterInfo>();
     let driver = format!("{} {}", adapter.driver, adapter.driver_info);
     let profile = if cfg!(debug_assertions) {
@@ -24,12 +24,7 @@ pub fn about(stage: &mut Stage, plan: &Plan) -> Vec<String> {
             adapter.backend,
             driver.trim(),
         ),
-        format!(
-            "pictures {} pixels high, {} frames each, interleaved; reference {} samples a pixel",
-            plan.height,
-            plan.frames,
-            truth::SAMPLES * truth::SAMPLES,
-        ),
+        what.to_owned(),
         format!(
             "bevy_planar_mirror {}, bevy {}, wgpu {}, {}, {profile} profile",
             env!("CARGO_PKG_VERSION"),

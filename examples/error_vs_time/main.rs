@@ -9,6 +9,7 @@
 //! | `scenes/` | what is drawn |
 //! | `techniques/` | how: the plugin, its rivals, the least that it could cost |
 //! | `truth.rs` | what a mirror must show |
+//! | `pyramid.rs` | what of an object is seen in it at all |
 //! | `errors.rs`, `flip.rs` | how far a picture is from that |
 //! | `coded.rs` | which pixels show a thing that they must not |
 //! | `sheet.rs`, `edge.rs` | where things are cut, to a fraction of a pixel |
@@ -44,22 +45,30 @@ mod lens;
 mod machine;
 mod memory;
 mod png;
+mod pyramid;
 mod quad;
 mod report;
 mod row;
 mod scenes;
+#[path = "../shared/mod.rs"]
+#[expect(dead_code, reason = "other examples need more of it")]
+mod shared;
 mod sheet;
 mod spans;
 mod stats;
 #[path = "../../tests/support/mod.rs"]
-#[expect(dead_code, reason = "the picture tests need more of it")]
+#[expect(
+    dead_code,
+    unused_imports,
+    reason = "the picture tests need more of it"
+)]
 mod support;
 mod table;
 mod techniques;
 mod truth;
 mod verdict;
 
-use crate::{args::Plan, attempt::attempt, report::Report};
+use crate::{args::Plan, attempt::attempt, report::Report, shared::cli::say};
 
 fn main() -> ExitCode {
     let plan = match args::parse() {
@@ -69,8 +78,7 @@ fn main() -> ExitCode {
     match attempt(|| run(&plan)) {
         Ok(code) => code,
         Err(reason) => {
-            let line: Vec<&str> = reason.split_whitespace().collect();
-            eprintln!("error_vs_time: {}", line.join(" "));
+            say(&reason);
             ExitCode::FAILURE
         }
     }
@@ -80,7 +88,7 @@ fn run(plan: &Plan) -> Result<ExitCode, String> {
     let told = |error: std::io::Error| format!("{}: {error}", plan.out.display());
     std::fs::create_dir_all(&plan.out).map_err(told)?;
     let mut report = Report::new(plan);
-    let about = machine::about(report.plain_stage()?, plan);
+    let about = machine::about(report.plain_stage()?, &plan.about());
     println!("{}\n", about.join("\n"));
     let file = plan.out.join("error_vs_time.csv");
     let mut csv = csv::Csv::create(&file, &about).map_err(told)?;

@@ -221,7 +221,7 @@ impl Player {
             return Ok(());
         };
         found.frames.push(frames::timed(stage)?);
-        found.spans.extend(reader.read(stage));
+        found.spans.extend(reader.read(stage.world().resource()));
         Ok(())
     }
 

@@ -2,9 +2,7 @@
 
 use std::{collections::BTreeMap, time::Instant};
 
-use bevy::{diagnostic::DiagnosticsStore, prelude::*};
-
-use crate::support::stage::Stage;
+use bevy::diagnostic::DiagnosticsStore;
 
 /// The passes of one name in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,8 +38,7 @@ pub struct Reader {
 
 impl Reader {
     /// `None` if nothing has come back since the last call.
-    pub fn read(&mut self, stage: &mut Stage) -> Option<Spans> {
-        let store = stage.world().get_resource::<DiagnosticsStore>()?;
+    pub fn read(&mut self, store: &DiagnosticsStore) -> Option<Spans> {
         let newest = store
             .iter()
             .filter(|diagnostic| is_span(diagnostic.path().as_str()))

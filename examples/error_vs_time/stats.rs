@@ -12,24 +12,25 @@ pub struct Summary {
 impl Summary {
     /// `None` of nothing.
     pub fn of(values: &[f64]) -> Option<Self> {
-        let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
-        sorted.sort_by(f64::total_cmp);
-        let last = sorted.len().checked_sub(1)?;
-        // Between the neighbors of a place that is not a whole number.
-        let at = |share: f64| {
-            let place = share * last as f64;
-            let (low, high) = (
-                sorted[place.floor() as usize],
-                sorted[place.ceil() as usize],
-            );
-            low + (high - low) * place.fract()
-        };
+        let mut values: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+        values.sort_by(f64::total_cmp);
         Some(Self {
-            median: at(0.5),
-            spread: at(0.75) - at(0.25),
-            count: sorted.len(),
+            median: quantile(&values, 0.5)?,
+            spread: quantile(&values, 0.75)? - quantile(&values, 0.25)?,
+            count: values.len(),
         })
     }
+}
+
+/// The value below which that share of the sorted values is; `None` of nothing. Between the
+/// neighbors of a place that is not a whole number.
+pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
+    let place = share * sorted.len().checked_sub(1)? as f64;
+    let (low, high) = (
+        sorted[place.floor() as usize],
+        sorted[place.ceil() as usize],
+    );
+    Some(low + (high - low) * place.fract())
 }
 
 #[cfg(test)]

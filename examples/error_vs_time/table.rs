@@ -1,35 +1,6 @@
 //! Rows as text on the terminal.
 
-use std::fmt::Write;
-
-use crate::{edge::Found, row::Row, stats::Summary};
-
-/// Columns as wide as their widest field; the first is flush left, the others right.
-pub fn aligned(rows: &[Vec<String>]) -> String {
-    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |column: usize| {
-        let widths = rows
-            .iter()
-            .filter_map(|row| Some(row.get(column)?.chars().count()));
-        widths.max().unwrap_or(0)
-    };
-    let widths: Vec<usize> = (0..columns).map(width).collect();
-    let mut text = String::new();
-    for row in rows {
-        let mut line = String::new();
-        for (column, (field, width)) in row.iter().zip(&widths).enumerate() {
-            // Writing to a String cannot fail.
-            let _ = if column == 0 {
-                write!(line, "{field:width$}")
-            } else {
-                write!(line, "  {field:>width$}")
-            };
-        }
-        text += line.trim_end();
-        text.push('\n');
-    }
-    text
-}
+use crate::{edge::Found, row::Row, shared::table::aligned, stats::Summary};
 
 /// The table of one scene.
 pub fn scene(rows: &[Row]) -> String {
@@ -118,13 +89,6 @@ fn fields(row: &Row) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::{row::Measured, techniques};
-
-    #[test]
-    fn columns_are_aligned_and_lines_end_at_their_last_word() {
-        let rows = [vec!["a", "1"], vec!["long name", "22"], vec!["b"]];
-        let rows = rows.map(|row| row.into_iter().map(str::to_owned).collect());
-        assert_eq!(aligned(&rows), "a           1\nlong name  22\nb\n");
-    }
 
     #[test]
     fn a_technique_that_cannot_run_is_in_the_table_with_its_reason() {

@@ -2,7 +2,7 @@
 
 use bevy_planar_mirror::MirrorClip;
 
-use crate::{row::Row, table::aligned, techniques::Kind};
+use crate::{row::Row, shared::table::aligned, techniques::Kind};
 
 /// A table of error and time of the automatic mirror and of the full-size second camera.
 pub fn verdict(rows: &[Row]) -> String {

@@ -1,15 +1,17 @@
 //! The command line.
 
-use std::{
-    ops::RangeInclusive,
-    path::{Path, PathBuf},
-    process::ExitCode,
-    str::FromStr,
-};
+use std::{path::PathBuf, process::ExitCode};
 
 use argh::FromArgs;
 
-use crate::{bezier::MAX_TESSELLATION, settings::Settings};
+use crate::{
+    bezier::MAX_TESSELLATION,
+    settings::Settings,
+    shared::{
+        cli::{self, within},
+        pictures::{Pictures, fps, frames, seconds, size},
+    },
+};
 
 /// A teapot jumps through a marble table that is a mirror: in a window, or with --headless,
 /// --out or --frames into pictures (same arguments, same pixels).
@@ -68,46 +70,13 @@ pub struct Args {
     hard_shadows: bool,
 }
 
-/// What is to be drawn into files.
-pub enum Pictures {
-    One(PathBuf),
-    Film {
-        frames: u32,
-        fps: f32,
-        folder: PathBuf,
-    },
-}
-
 impl Args {
     /// Reads the command line. `Err` has said on the terminal what there was to say.
     pub fn parse() -> Result<Self, ExitCode> {
-        let given: Vec<String> = std::env::args_os()
-            .skip(1)
-            .map(|arg| arg.to_string_lossy().into_owned())
-            .collect();
-        let given: Vec<&str> = given.iter().map(String::as_str).collect();
-        let parsed = Self::from_args(&["teapot"], &given).map_err(|exit| match exit.status {
-            Ok(()) => {
-                println!("{}", exit.output.trim_end());
-                ExitCode::SUCCESS
-            }
-            Err(()) => complain(&exit.output),
-        })?;
-        match parsed.contradiction() {
-            None => Ok(parsed),
-            Some(text) => Err(complain(text)),
-        }
-    }
-
-    fn contradiction(&self) -> Option<&'static str> {
-        let png = self.out.as_deref().map(ends_in_png);
-        match (self.frames, png) {
-            (None, Some(false)) => Some("--out: a picture's name ends in .png, as in teapot.png"),
-            (Some(_), Some(true)) => {
-                Some("--out: with --frames it is a folder, as in teapot-frames")
-            }
-            (None, _) if self.fps.is_some() => Some("--fps goes with --frames, as in --frames 360"),
-            _ => None,
+        let parsed: Self = cli::parse()?;
+        match parsed.pictures() {
+            Ok(_) => Ok(parsed),
+            Err(text) => Err(cli::complain(text)),
         }
     }
 
@@ -116,16 +85,9 @@ impl Args {
         self.headless || self.out.is_some() || self.frames.is_some()
     }
 
-    pub fn pictures(&self) -> Pictures {
-        let path = |fallback: &str| self.out.clone().unwrap_or_else(|| fallback.into());
-        match self.frames {
-            None => Pictures::One(path("teapot.png")),
-            Some(frames) => Pictures::Film {
-                frames,
-                fps: self.fps.unwrap_or(30.0),
-                folder: path("teapot-frames"),
-            },
-        }
+    /// What to draw into files; or what makes no sense about it.
+    pub fn pictures(&self) -> Result<Pictures, &'static str> {
+        Pictures::asked(self.out.as_deref(), self.frames, self.fps)
     }
 
     pub fn settings(&self) -> Settings {
@@ -139,54 +101,6 @@ impl Args {
             hdr: !self.no_hdr,
         }
     }
-}
-
-/// One line on the terminal, and the exit code for arguments that make no sense.
-fn complain(text: &str) -> ExitCode {
-    let line: Vec<&str> = text.split_whitespace().collect();
-    eprintln!("teapot: {} (--help lists all)", line.join(" "));
-    ExitCode::from(2)
-}
-
-fn ends_in_png(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
-}
-
-fn within<T: FromStr + PartialOrd>(
-    text: &str,
-    range: RangeInclusive<T>,
-    expected: &str,
-) -> Result<T, String> {
-    let value: Option<T> = text.parse().ok();
-    value
-        .filter(|value| range.contains(value))
-        .ok_or_else(|| format!("expected {expected}"))
-}
-
-fn seconds(text: &str) -> Result<f32, String> {
-    within(text, 0.0..=86_400.0, "seconds from 0 to 86400, as in 1.5")
-}
-
-fn size(text: &str) -> Result<(u32, u32), String> {
-    const EXPECTED: &str = "WIDTHxHEIGHT from 1x1 to 8192x8192, as in 960x540";
-    let (width, height) = text.split_once('x').ok_or(format!("expected {EXPECTED}"))?;
-    Ok((
-        within(width, 1..=8192, EXPECTED)?,
-        within(height, 1..=8192, EXPECTED)?,
-    ))
-}
-
-fn frames(text: &str) -> Result<u32, String> {
-    within(text, 1..=100_000, "1 to 100000 pictures, as in 360")
-}
-
-fn fps(text: &str) -> Result<f32, String> {
-    within(
-        text,
-        0.01..=1000.0,
-        "0.01 to 1000 pictures a second, as in 30",
-    )
 }
 
 fn alpha(text: &str) -> Result<f32, String> {
@@ -216,7 +130,7 @@ mod tests {
     fn read(line: &str) -> Option<Args> {
         let given: Vec<&str> = line.split_whitespace().collect();
         let args = Args::from_args(&["teapot"], &given).ok()?;
-        args.contradiction().is_none().then_some(args)
+        args.pictures().is_ok().then_some(args)
     }
 
     #[test]

@@ -1,21 +1,19 @@
 //! The window and its keys.
 
-use std::{path::PathBuf, process::ExitCode};
+use std::process::ExitCode;
 
 use crate::{
     args::Args,
     bezier::MAX_TESSELLATION,
-    overlay, picture,
+    overlay,
     scene::{SceneTime, camera_pose},
     settings::{Settings, supported_samples},
+    shared::picture,
 };
 use bevy::{
     camera_controller::free_camera::{FreeCamera, FreeCameraPlugin, FreeCameraState},
     prelude::*,
-    render::{
-        renderer::{RenderAdapter, RenderAdapterInfo},
-        view::screenshot::{Screenshot, ScreenshotCaptured},
-    },
+    render::renderer::{RenderAdapter, RenderAdapterInfo},
     window::WindowResolution,
 };
 
@@ -55,7 +53,7 @@ pub fn run(args: &Args) -> ExitCode {
             run_clocks,
             switch_settings,
             switch_free_camera,
-            save_picture,
+            picture::save_window,
         ),
     );
     let wanted = args.msaa;
@@ -147,23 +145,4 @@ fn switch_free_camera(
             (state.yaw, state.pitch, state.velocity) = (0.0, 0.0, Vec3::ZERO);
         }
     }
-}
-
-/// Saves what the window shows; hide the text first with Tab.
-fn save_picture(mut commands: Commands, keys: Res<ButtonInput<KeyCode>>) {
-    if !keys.just_pressed(KeyCode::KeyP) {
-        return;
-    }
-    let free = (1..)
-        .map(|n| PathBuf::from(format!("teapot-{n}.png")))
-        .find(|path| !path.exists());
-    let Some(path) = free else { return };
-    commands
-        .spawn(Screenshot::primary_window())
-        .observe(
-            move |event: On<ScreenshotCaptured>| match picture::save(&event.image, &path) {
-                Ok(()) => println!("The picture is in {}", picture::absolute(&path)),
-                Err(line) => eprintln!("teapot: {line}"),
-            },
-        );
 }

@@ -10,9 +10,11 @@ mod controls;
 mod headless;
 mod marble;
 mod overlay;
-mod picture;
 mod scene;
 mod settings;
+#[path = "../shared/mod.rs"]
+#[expect(dead_code, reason = "other examples need more of it")]
+mod shared;
 mod sky;
 
 use std::process::ExitCode;
@@ -20,16 +22,18 @@ use std::process::ExitCode;
 use bevy::prelude::*;
 use bevy_planar_mirror::PlanarMirrorPlugin;
 
+use crate::shared::display;
+
 fn main() -> ExitCode {
     let args = match args::Args::parse() {
         Ok(args) => args,
         Err(code) => return code,
     };
-    explain_missing_driver();
+    display::explain_missing_driver();
     if args.wants_pictures() {
         return headless::run(&args);
     }
-    if !has_display() {
+    if !display::has_display() {
         println!("No display (DISPLAY is not set): drawing into a file instead of a window.");
         return headless::run(&args);
     }
@@ -43,29 +47,4 @@ fn common_plugin(app: &mut App) {
         settings::plugin,
         scene::plugin,
     ));
-}
-
-/// This example's build of Bevy opens X11 windows on Linux; Wayland desktops offer that as well.
-fn has_display() -> bool {
-    !cfg!(target_os = "linux") || std::env::var_os("DISPLAY").is_some_and(|name| !name.is_empty())
-}
-
-/// Bevy panics where it finds no graphics device or no window system. One line instead.
-fn explain_missing_driver() {
-    let usual = std::panic::take_hook();
-    std::panic::set_hook(Box::new(move |info| {
-        let text = info.payload_as_str().unwrap_or_default();
-        if text.contains("Unable to find a GPU") {
-            eprintln!(
-                "teapot: no graphics driver found. On Linux install a Vulkan driver: \
-                 `sh examples/run` does it, or `apt-get install mesa-vulkan-drivers`."
-            );
-            std::process::exit(1);
-        }
-        if text.contains("event loop") {
-            eprintln!("teapot: no window could be opened ({text}); try --headless.");
-            std::process::exit(1);
-        }
-        usual(info);
-    }));
 }

@@ -7,10 +7,12 @@ use bevy::{
 };
 use bevy_planar_mirror::prelude::*;
 
-use crate::{controls::Paused, scene::Table, settings::Settings};
-
-#[derive(Component, Clone)]
-struct Panel;
+use crate::{
+    controls::Paused,
+    scene::Table,
+    settings::Settings,
+    shared::panel::{at_the_left, hide_panels, panel},
+};
 
 #[derive(Component)]
 struct KeyList;
@@ -21,41 +23,27 @@ struct StatusLine;
 pub fn plugin(app: &mut App) {
     app.add_plugins(FrameTimeDiagnosticsPlugin::default())
         .add_systems(PostStartup, add_text)
-        .add_systems(Update, (hide_text, show_keys, show_status));
+        .add_systems(Update, (hide_panels, show_keys, show_status));
 }
 
 fn add_text(mut commands: Commands) {
-    let place = Node {
-        position_type: PositionType::Absolute,
-        left: px(10),
-        padding: UiRect::axes(px(10), px(7)),
-        ..default()
-    };
-    let panel = (
-        Panel,
-        Text::default(),
-        TextFont::from_font_size(13.0),
-        TextColor(Color::srgb(0.93, 0.93, 0.90)),
-        BackgroundColor(Color::srgba(0.02, 0.03, 0.05, 0.75)),
-    );
     let (top, bottom) = (px(10), px(10));
     commands.spawn((
         KeyList,
-        panel.clone(),
+        panel(),
         Node {
             top,
-            ..place.clone()
+            ..at_the_left()
         },
     ));
-    commands.spawn((StatusLine, panel, Node { bottom, ..place }));
-}
-
-fn hide_text(keys: Res<ButtonInput<KeyCode>>, mut panels: Query<&mut Visibility, With<Panel>>) {
-    if keys.just_pressed(KeyCode::Tab) {
-        for mut visibility in &mut panels {
-            visibility.toggle_inherited_hidden();
-        }
-    }
+    commands.spawn((
+        StatusLine,
+        panel(),
+        Node {
+            bottom,
+            ..at_the_left()
+        },
+    ));
 }
 
 fn show_keys(

@@ -20,10 +20,9 @@ use bevy::{
 };
 
 use crate::{
-    lens::{Eye, Lens},
-    quad::Quad,
+    pyramid::{self, within},
     support::{
-        cut::{Cut, Plane, cut},
+        cut::Plane,
         reference::reflected_eye,
         scene::{Look, Object, Scene, exact},
         stage::Stage,
@@ -46,7 +45,7 @@ pub fn set_up(
     bound.mirrors.clear();
     let plane = scene.mirrors[0].plane();
     bound.eye = reflected_eye(&scene.eye, plane);
-    let sides = pyramid(scene);
+    let sides = pyramid::sides(scene);
     let across = |object: &Object| {
         heights(object, &plane).any(|height| height < 0.0)
             && heights(object, &plane).any(|height| height > 0.0)
@@ -90,35 +89,6 @@ pub fn set_up(
     build_plain(stage, &bound, target.clone())
 }
 
-/// The planes through the reflected eye and the edges of the mirror; the mirror is on their kept
-/// side.
-fn pyramid(scene: &Scene) -> Vec<Plane> {
-    let quad = Quad::of(&scene.mirrors[0]);
-    let plane = quad.plane();
-    let along: Box<dyn Fn(DVec3) -> DVec3> = match Lens::new(scene).eye {
-        Eye::At(eye) => {
-            let reflected = plane.reflect(eye);
-            Box::new(move |corner| corner - reflected)
-        }
-        Eye::Along(direction) => {
-            let reflected = plane.reflect_direction(direction);
-            Box::new(move |_| reflected)
-        }
-    };
-    let corners = quad.corners();
-    (0..4)
-        .map(|i| {
-            let (a, b) = (corners[i], corners[(i + 1) % 4]);
-            let side = Plane::through(a, (b - a).cross(along(a)));
-            if side.height(quad.center) < 0.0 {
-                Plane::through(a, -side.normal)
-            } else {
-                side
-            }
-        })
-        .collect()
-}
-
 /// The objects as they are go on throwing their shadows, unseen; what is seen throws none.
 fn keep_shadows(bound: &mut Scene, objects: &[Object]) {
     const UNSEEN: usize = 1;
@@ -146,20 +116,7 @@ fn keep_shadows(bound: &mut Scene, objects: &[Object]) {
     }));
 }
 
-/// What of an object is on the kept side of all planes.
-fn within(object: &Object, planes: &[Plane]) -> Option<Object> {
-    planes.iter().try_fold(object.clone(), |object, plane| {
-        match cut(&object.mesh, exact(&object.transform), *plane) {
-            Cut::Whole => Some(object),
-            Cut::Part(mesh) => Some(Object {
-                mesh: *mesh,
-                ..object
-            }),
-            Cut::Nothing => None,
-        }
-    })
-}
-
+/// The heights of an object's vertices over a plane.
 fn heights<'a>(object: &'a Object, plane: &'a Plane) -> impl Iterator<Item = f64> + 'a {
     let world_from_local = exact(&object.transform);
     let positions = match object.mesh.attribute(Mesh::ATTRIBUTE_POSITION) {

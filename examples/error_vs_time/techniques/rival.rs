@@ -8,6 +8,7 @@
 //! no clip for orthographic cameras, and none where the camera looks exactly square at the mirror.
 
 use bevy::{
+    asset::{AssetPath, embedded_path},
     camera::RenderTarget,
     math::Affine3A,
     pbr::{ExtendedMaterial, MaterialExtension},
@@ -33,14 +34,15 @@ struct ScreenSpaceTexture {
 
 impl MaterialExtension for ScreenSpaceTexture {
     fn fragment_shader() -> ShaderRef {
-        "embedded://error_vs_time/techniques/rival.wgsl".into()
+        let path = AssetPath::from_path_buf(embedded_path!("error_vs_time", "rival.wgsl"));
+        path.with_source("embedded").into()
     }
 }
 
 type ScreenSpaceMaterial = ExtendedMaterial<StandardMaterial, ScreenSpaceTexture>;
 
 pub fn plugin(app: &mut App) {
-    bevy::asset::embedded_asset!(app, "examples/error_vs_time", "rival.wgsl");
+    bevy::asset::embedded_asset!(app, "error_vs_time", "rival.wgsl");
     app.add_plugins(MaterialPlugin::<ScreenSpaceMaterial>::default());
 }
 
