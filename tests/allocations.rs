@@ -112,18 +112,15 @@ fn without_mirrors_nothing_is_allocated() {
     assert_eq!(info.count_total, 0, "{info:?}");
 }
 
-/// The views are listed when they are hidden from the user's systems, when extraction is to see them, and when they
-/// are hidden again; nothing else is allocated, whether the camera moves or not.
+/// Whether the camera moves or not.
 #[test]
-fn mirrors_cost_three_short_lists_a_frame_and_no_more_for_many() {
-    const FRAMES: u64 = 100;
+fn mirrors_that_are_drawn_allocate_nothing_from_frame_to_frame() {
     for count in [1, 2, 20] {
         for moves in [false, true] {
             let mut app = app_with_mirrors(count);
             app.world_mut().resource_mut::<Moves>().0 = moves;
-            let info = allocations_in(&mut app, FRAMES);
-            assert!(info.count_total <= 3 * FRAMES, "{count} mirrors: {info:?}");
-            assert_eq!(info.bytes_current, 0, "{count} mirrors: {info:?}");
+            let info = allocations_in(&mut app, 100);
+            assert_eq!(info.count_total, 0, "{count} mirrors: {info:?}");
         }
     }
 }

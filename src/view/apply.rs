@@ -97,27 +97,29 @@ fn entity_of(
 
 /// Takes the reflected views out of every query again.
 pub fn disable_reflected_views(world: &mut World) {
-    for view in all(world) {
-        // Somebody may have cleared the world.
-        if let Ok(mut view) = world.get_entity_mut(view) {
-            view.insert(Disabled);
-        }
-    }
+    for_each_view(world, |view| {
+        view.insert(Disabled);
+    });
 }
 
 /// Lets extraction see the reflected views; [`disable_reflected_views`] ends that. And lets Bevy
 /// see those that had to wait for the views of the user's.
 pub fn enable_reflected_views(world: &mut World) {
-    for view in all(world) {
-        if let Ok(mut view) = world.get_entity_mut(view) {
-            view.remove::<Disabled>();
-        }
-    }
+    for_each_view(world, |view| {
+        view.remove::<Disabled>();
+    });
 }
 
-fn all(world: &World) -> Vec<Entity> {
-    let views = world.resource::<ReflectedViews>();
-    views.alive.keys().copied().collect()
+fn for_each_view(world: &mut World, change: impl Fn(&mut EntityWorldMut)) {
+    // Out of the world for the time being, which observers may change.
+    let alive = core::mem::take(&mut world.resource_mut::<ReflectedViews>().alive);
+    for &view in alive.keys() {
+        // Somebody may have cleared the world.
+        if let Ok(mut view) = world.get_entity_mut(view) {
+            change(&mut view);
+        }
+    }
+    world.resource_mut::<ReflectedViews>().alive = alive;
 }
 
 fn spawn_view(world: &mut World, viewer: Entity, mirror: Entity) -> Entity {
