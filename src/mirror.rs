@@ -6,7 +6,7 @@ use bevy::{
 };
 use glam::Vec3;
 
-use crate::status::MirrorStatus;
+use crate::{status::MirrorStatus, view::MirrorPlace};
 
 /// Makes a flat mesh reflect the scene, as seen by every active `Camera3d`.
 ///
@@ -31,7 +31,7 @@ use crate::status::MirrorStatus;
 /// ```
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
-#[require(Transform, Visibility, MirrorStatus)]
+#[require(Transform, Visibility, MirrorStatus, MirrorPlace)]
 pub struct PlanarMirror {
     /// Where the reflecting plane lies in the entity's own space.
     ///

@@ -19,9 +19,9 @@ use crate::{
     render,
     status::{MirrorFigures, MirrorStatus},
     view::{
-        MirrorLimits, MirrorPatches, ReflectedViews, any_reflected_views, apply_reflected_views,
+        MirrorLimits, ReflectedViews, any_reflected_views, apply_reflected_views,
         clip_reflected_views, decide_reflected_views, disable_reflected_views,
-        enable_reflected_views, fit_mirror_planes, narrow_cascades, report_figures, report_status,
+        enable_reflected_views, narrow_cascades, place_mirrors, report_figures, report_status,
         some_views_wait,
     },
 };
@@ -77,7 +77,6 @@ impl Plugin for PlanarMirrorPlugin {
             .register_type::<MirrorStatus>()
             .register_type::<MirrorFigures>()
             .init_resource::<MirrorFigures>()
-            .init_resource::<MirrorPatches>()
             .init_resource::<ReflectedViews>()
             .insert_resource(MirrorLimits {
                 max_bounces: self.max_bounces,
@@ -114,7 +113,7 @@ impl Plugin for PlanarMirrorPlugin {
                 PostUpdate,
                 (
                     (
-                        fit_mirror_planes.run_if(resource_exists::<Assets<Mesh>>),
+                        place_mirrors.run_if(resource_exists::<Assets<Mesh>>),
                         decide_reflected_views,
                         apply_reflected_views.run_if(any_reflected_views),
                     )

@@ -74,7 +74,7 @@ pub use plane::Plane;
 pub use polygon::{Opening, VisiblePolygon, clip_polygon, clip_polygon_within};
 pub use projection::BaseProjection;
 pub use reflection::{reflect_point, reflect_vector, reflected_world_from_view, reflection_affine};
-pub use side::{Side, classify, narrowed_sides, signed_distance_range};
+pub use side::{Side, classify, edge_sides, narrowed_sides, signed_distance_range};
 pub use view::{
     ReflectedViewPlan, Skip, ViewInput, plan_reflected_view, plan_reflected_view_within,
 };

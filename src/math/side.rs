@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
-use super::plane::Plane;
+use super::{plane::Plane, polygon::VisiblePolygon};
 
 /// By how much the culling planes keep clear of the polygon, in pixels.
 const CULLING_GUARD_PX: f64 = 2.0;
@@ -66,6 +66,35 @@ pub fn narrowed_sides(
         clip_from_view.row(3),
     );
     [x - w * low.x, w * high.x - x, y - w * low.y, w * high.y - y].map(with_unit_normal)
+}
+
+/// The planes along the edges of a polygon of the screen, in view space, to the inside: an object
+/// that is behind one of them does not show in the polygon.
+///
+/// Each is two pixels away from its edge. An edge without a length gives none.
+pub fn edge_sides<'a>(
+    polygon: &'a VisiblePolygon,
+    clip_from_view: &'a DMat4,
+    viewport_size: DVec2,
+) -> impl Iterator<Item = DVec4> + 'a {
+    let pixels = viewport_size * 0.5;
+    let next = polygon.ndc().cycle().skip(1);
+    // Twice the signed area: positive if the vertices turn to the left.
+    let turn: f64 = polygon
+        .ndc()
+        .zip(next.clone())
+        .map(|(a, b)| a.perp_dot(b))
+        .sum();
+    polygon.ndc().zip(next).filter_map(move |(a, b)| {
+        let along = (b - a) * pixels;
+        let normal = along.perp() * turn.signum() / along.length();
+        // n.(p - a) + guard in pixels, with p = (x, y) / w times pixels.
+        let (n, a) = (normal * pixels, a * pixels);
+        let side = clip_from_view.row(0) * n.x
+            + clip_from_view.row(1) * n.y
+            + clip_from_view.row(3) * (CULLING_GUARD_PX - normal.dot(a));
+        side.is_finite().then_some(side)
+    })
 }
 
 fn with_unit_normal(plane: DVec4) -> DVec4 {

@@ -17,7 +17,7 @@ use glam::{DMat4, DVec3, DVec4};
 
 use super::{DepthRange, PlannedView, ReflectedView, ReflectedViews};
 use crate::{
-    math::{Side, classify, signed_distance_range},
+    math::{Side, classify, edge_sides, signed_distance_range},
     mirror::MirrorClip,
     status::Projection,
 };
@@ -34,6 +34,7 @@ pub fn clip_reflected_views(
     uncounted: Query<(), With<NoCpuCulling>>,
     // They are laid on what a depth prepass has drawn, and a reflected view has none.
     decals: Query<(), With<ForwardDecal>>,
+    mut sides: Local<Vec<DVec4>>,
 ) {
     let ReflectedViews {
         planned,
@@ -52,11 +53,20 @@ pub fn clip_reflected_views(
         };
         let mirrors = &surfaces[planned.mirrors.clone()];
         let clip_from_view = camera.clip_from_view();
+        let clip_matrix = clip_from_view.as_dmat4();
         let view_from_world = DMat4::from(planned.plan.world_from_view.inverse());
         let rows = DepthRows {
-            clip_w: (clip_from_view.as_dmat4() * view_from_world).row(3),
+            clip_w: (clip_matrix * view_from_world).row(3),
             view_depth: -view_from_world.row(2),
         };
+        sides.clear();
+        // Several mirrors have no common polygon but their bounds, which have culled already.
+        if mirrors.len() == 1 {
+            let viewport = camera.physical_viewport_size().unwrap_or_default();
+            let edges = edge_sides(&planned.plan.polygon, &clip_matrix, viewport.as_dvec2());
+            // Planes are covectors: from view to world space by the matrix from world to view.
+            sides.extend(edges.map(|side| view_from_world.transpose() * side));
+        }
         let mut seen = Seen {
             was_cut: live.was_cut,
             crossed: !uncounted.is_empty(),
@@ -74,7 +84,7 @@ pub fn clip_reflected_views(
             }
             visible.retain(|&entity| match objects.get(entity) {
                 _ if mirrors.binary_search(&entity).is_ok() || decals.contains(entity) => false,
-                Ok(bounds) => seen.shows(bounds, planned, &rows),
+                Ok(bounds) => seen.shows(bounds, planned, &rows, &sides),
                 Err(_) => true,
             });
             objects_in_view += visible.len();
@@ -119,6 +129,7 @@ impl Seen {
         (transform, aabb, unbounded): (&GlobalTransform, Option<&Aabb>, bool),
         planned: &PlannedView,
         rows: &DepthRows,
+        sides: &[DVec4],
     ) -> bool {
         let (Some(aabb), false) = (aabb, unbounded) else {
             self.crossed = true;
@@ -126,6 +137,9 @@ impl Seen {
             return true;
         };
         let bounds = WorldBox::new(transform, aabb);
+        if sides.iter().any(|side| bounds.range(*side).1 < 0.0) {
+            return false;
+        }
         // The tolerance grows with depth, so the nearest point of the box is the strictest.
         let (nearest, _) = bounds.range(rows.clip_w);
         let side = classify(

@@ -1,15 +1,12 @@
 //! Which camera sees which mirror, and otherwise why not.
 
 use bevy::{
-    asset::Assets,
     camera::{
         Camera, Camera3d, ShadowLodOrigin,
-        primitives::Aabb,
         visibility::{InheritedVisibility, RenderLayers},
     },
     core_pipeline::prepass::DeferredPrepass,
     ecs::prelude::*,
-    mesh::{Mesh, Mesh3d},
     render::camera::TemporalJitter,
     transform::components::GlobalTransform,
 };
@@ -17,12 +14,12 @@ use glam::{DAffine3, DMat4, DVec2};
 
 use super::{
     Decision, MirrorLimits, ReflectedView, ReflectedViews,
-    fit::MirrorPatches,
+    fit::MirrorPlace,
     sight::{MirrorInput, Sight, Viewer},
 };
 use crate::{
-    math::{Opening, PlanarPatch, transform_patch},
-    mirror::{MirrorPlane, NoMirrors, PlanarMirror},
+    math::Opening,
+    mirror::{NoMirrors, PlanarMirror},
     status::NotDrawn,
 };
 
@@ -59,15 +56,11 @@ pub fn decide_reflected_views(
     mirrors: Query<(
         Entity,
         &PlanarMirror,
-        &GlobalTransform,
+        &MirrorPlace,
         &InheritedVisibility,
-        Option<&Mesh3d>,
         Option<&RenderLayers>,
-        Option<&Aabb>,
     )>,
     ranged: Query<(), Or<(With<Camera>, With<ShadowLodOrigin>)>>,
-    meshes: Option<Res<Assets<Mesh>>>,
-    patches: Res<MirrorPatches>,
     limits: Res<MirrorLimits>,
     mut camera_inputs: Local<Vec<CameraInput>>,
     mut mirror_inputs: Local<Vec<MirrorInput>>,
@@ -100,26 +93,23 @@ pub fn decide_reflected_views(
     // The order of archetypes changes with unrelated components; a status must not.
     camera_inputs.sort_unstable_by_key(|camera| camera.entity);
 
-    let is_loaded = |mesh: &Mesh3d| meshes.as_ref().is_some_and(|m| m.contains(mesh));
-    mirror_inputs.extend(mirrors.iter().map(
-        |(entity, settings, transform, visible, mesh, layers, aabb)| MirrorInput {
-            entity,
-            clip: settings.clip,
-            shadows: settings.shadows,
-            layers: layers.cloned().unwrap_or_default(),
-            place: if !views.can_draw {
-                Err(NotDrawn::NoRenderer)
-            } else if !visible.get() {
-                Err(NotDrawn::Hidden)
-            } else {
-                let mesh = mesh.filter(|mesh| is_loaded(mesh));
-                mirror_patch(settings, mesh, aabb, &patches).and_then(|patch| {
-                    transform_patch(&patch, &transform.affine().as_daffine3())
-                        .ok_or(NotDrawn::DegenerateTransform)
-                })
-            },
-        },
-    ));
+    mirror_inputs.extend(
+        mirrors
+            .iter()
+            .map(|(entity, settings, place, visible, layers)| MirrorInput {
+                entity,
+                clip: settings.clip,
+                shadows: settings.shadows,
+                layers: layers.cloned().unwrap_or_default(),
+                place: if !views.can_draw {
+                    Err(NotDrawn::NoRenderer)
+                } else if !visible.get() {
+                    Err(NotDrawn::Hidden)
+                } else {
+                    place.0
+                },
+            }),
+    );
     for mirror in mirror_inputs.iter() {
         views
             .decisions
@@ -209,22 +199,5 @@ fn camera_view(
             })
         }
         _ => Err(NotDrawn::NoTarget),
-    }
-}
-
-fn mirror_patch(
-    settings: &PlanarMirror,
-    mesh: Option<&Mesh3d>,
-    aabb: Option<&Aabb>,
-    patches: &MirrorPatches,
-) -> Result<PlanarPatch, NotDrawn> {
-    let mesh = mesh.ok_or(NotDrawn::NoMesh)?;
-    match settings.plane {
-        MirrorPlane::FromMesh => *patches.0.get(&mesh.id()).ok_or(NotDrawn::NoMesh)?,
-        MirrorPlane::Local { point, normal } => {
-            let bounds = aabb.map(|aabb| (aabb.center.as_dvec3(), aabb.half_extents.as_dvec3()));
-            PlanarPatch::from_point_and_normal(point.as_dvec3(), normal.as_dvec3(), bounds)
-                .ok_or(NotDrawn::DegenerateTransform)
-        }
     }
 }

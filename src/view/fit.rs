@@ -1,44 +1,100 @@
-//! The plane of each mirror's mesh, fitted once per mesh asset.
+//! Where each mirror lies in the world: the plane fitted to its mesh, once per mesh asset, and carried
+//! there when something about the mirror changes.
 
 use bevy::{
     asset::{AssetEvent, AssetId, Assets, RenderAssetUsages},
-    ecs::prelude::*,
+    camera::primitives::Aabb,
+    ecs::{entity_disabling::Disabled, prelude::*},
     mesh::{Indices, Mesh, Mesh3d, MeshAccessError, PrimitiveTopology, VertexAttributeValues},
     platform::collections::HashMap,
+    transform::components::GlobalTransform,
 };
+use glam::DVec3;
 
 use crate::{
-    math::{FitError, PlanarPatch, fit_patch},
+    math::{FitError, PlanarPatch, Plane, fit_patch, transform_patch},
     mirror::{MirrorPlane, PlanarMirror},
     status::NotDrawn,
 };
 
-/// Mesh -> its flat patch in mesh space, or why it has none. Meshes not loaded yet are absent.
-#[derive(Resource, Default)]
-pub struct MirrorPatches(pub HashMap<AssetId<Mesh>, Result<PlanarPatch, NotDrawn>>);
+/// On every mirror: its plane in the world and, as far as they are known, the corners around it; or
+/// why it has none.
+#[derive(Component, Clone, Copy, Debug)]
+pub struct MirrorPlace(pub Result<(Plane, Option<[DVec3; 4]>), NotDrawn>);
 
-/// Fits a plane to the mesh of every mirror that asks for one, when it is first seen or changed.
-pub fn fit_mirror_planes(
-    mirrors: Query<(&PlanarMirror, &Mesh3d)>,
+impl Default for MirrorPlace {
+    fn default() -> Self {
+        Self(Err(NotDrawn::NoMesh))
+    }
+}
+
+/// Mesh -> its flat patch in mesh space, or why it has none.
+pub type Patches = HashMap<AssetId<Mesh>, Result<PlanarPatch, NotDrawn>>;
+
+/// Brings every [`MirrorPlace`] up to date. Most mirrors stand still: for these it is a glance.
+pub fn place_mirrors(
+    mut mirrors: Query<(
+        Ref<PlanarMirror>,
+        Ref<GlobalTransform>,
+        Option<Ref<Mesh3d>>,
+        Option<Ref<Aabb>>,
+        &mut MirrorPlace,
+    )>,
     meshes: Res<Assets<Mesh>>,
     mut events: MessageReader<AssetEvent<Mesh>>,
-    mut patches: ResMut<MirrorPatches>,
+    mut without_mesh: RemovedComponents<Mesh3d>,
+    mut without_bounds: RemovedComponents<Aabb>,
+    // What changed while they were disabled is not seen as a change.
+    mut enabled: RemovedComponents<Disabled>,
+    mut patches: Local<Patches>,
 ) {
+    let mut all_changed = [
+        without_mesh.read().any(|entity| mirrors.contains(entity)),
+        without_bounds.read().any(|entity| mirrors.contains(entity)),
+        enabled.read().any(|entity| mirrors.contains(entity)),
+    ]
+    .contains(&true);
     for event in events.read() {
-        match event {
-            AssetEvent::Modified { id } | AssetEvent::Removed { id } => {
-                patches.0.remove(id);
-            }
-            _ => {}
+        if let AssetEvent::Modified { id } | AssetEvent::Removed { id } = event {
+            patches.remove(id);
+            all_changed = true;
         }
     }
-    for (mirror, mesh) in &mirrors {
-        let id = mesh.id();
-        if mirror.plane == MirrorPlane::FromMesh
-            && !patches.0.contains_key(&id)
-            && let Some(mesh) = meshes.get(id)
-        {
-            patches.0.insert(id, patch_of(mesh));
+    for (mirror, transform, mesh, bounds, mut place) in &mut mirrors {
+        let is_changed = all_changed
+            // The mesh may have been loaded since.
+            || matches!(place.0, Err(NotDrawn::NoMesh))
+            || mirror.is_changed()
+            || transform.is_changed()
+            || mesh.as_ref().is_some_and(|mesh| mesh.is_changed())
+            || bounds.as_ref().is_some_and(|bounds| bounds.is_changed());
+        if is_changed {
+            let mesh = mesh.map(|mesh| mesh.id());
+            place.0 = patch_of_mirror(&mirror, mesh, bounds.as_deref(), &meshes, &mut patches)
+                .and_then(|patch| {
+                    transform_patch(&patch, &transform.affine().as_daffine3())
+                        .ok_or(NotDrawn::DegenerateTransform)
+                });
+        }
+    }
+}
+
+/// In the mirror's own space.
+fn patch_of_mirror(
+    mirror: &PlanarMirror,
+    mesh: Option<AssetId<Mesh>>,
+    bounds: Option<&Aabb>,
+    meshes: &Assets<Mesh>,
+    patches: &mut Patches,
+) -> Result<PlanarPatch, NotDrawn> {
+    let id = mesh.ok_or(NotDrawn::NoMesh)?;
+    let mesh = meshes.get(id).ok_or(NotDrawn::NoMesh)?;
+    match mirror.plane {
+        MirrorPlane::FromMesh => *patches.entry(id).or_insert_with(|| patch_of(mesh)),
+        MirrorPlane::Local { point, normal } => {
+            let bounds = bounds.map(|aabb| (aabb.center.as_dvec3(), aabb.half_extents.as_dvec3()));
+            PlanarPatch::from_point_and_normal(point.as_dvec3(), normal.as_dvec3(), bounds)
+                .ok_or(NotDrawn::DegenerateTransform)
         }
     }
 }

@@ -8,7 +8,7 @@
 //!
 //! | step in `PostUpdate` | file |
 //! |---|---|
-//! | fit a plane to each mirror's mesh | `fit.rs` |
+//! | fit a plane to each mirror's mesh, and carry it into the world | `fit.rs` |
 //! | decide which camera sees which mirror | `decide.rs`, `sight.rs` |
 //! | bring the entities in line with that | `apply.rs`, `copy.rs` |
 //! | after visibility: drop what is behind, choose the projection | `clip.rs` |
@@ -39,7 +39,7 @@ use glam::{DVec2, Mat4};
 pub use apply::{apply_reflected_views, disable_reflected_views, enable_reflected_views};
 pub use clip::clip_reflected_views;
 pub use decide::decide_reflected_views;
-pub use fit::{MirrorPatches, fit_mirror_planes};
+pub use fit::{MirrorPlace, place_mirrors};
 pub use report::{report_figures, report_status};
 pub use shadow::{cascade_is_sampled, narrow_cascades};
 

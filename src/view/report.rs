@@ -1,8 +1,8 @@
 //! Writes [`MirrorStatus`], and one line in the log for each thing that only the user can mend.
 
 use bevy::{
-    camera::Camera3d,
-    ecs::{entity::EntityHashSet, entity_disabling::Disabled, prelude::*, query::Allow},
+    camera::{Camera3d, visibility::InheritedVisibility},
+    ecs::{entity_disabling::Disabled, prelude::*, query::Allow},
     log::warn,
     platform::collections::HashSet,
 };
@@ -13,28 +13,32 @@ use crate::{
     status::{CameraStatus, MirrorFigures, MirrorState, MirrorStatus, NotDrawn, ViewFigures},
 };
 
+/// What is no mirror any more.
+type Undecided = Or<(Without<PlanarMirror>, Without<InheritedVisibility>)>;
+
 /// Brings every mirror's status in line with what this frame decided; change detection sees only
 /// real changes.
 pub fn report_status(
     views: Res<ReflectedViews>,
-    mut statuses: Query<(Entity, &mut MirrorStatus)>,
+    mut statuses: Query<&mut MirrorStatus, (With<PlanarMirror>, With<InheritedVisibility>)>,
+    mut undecided: Query<&mut MirrorStatus, Undecided>,
     known: Query<(), (Or<(With<PlanarMirror>, With<Camera3d>)>, Allow<Disabled>)>,
-    mut decided: Local<EntityHashSet>,
     mut warned: Local<HashSet<(Option<Entity>, NotDrawn)>>,
 ) {
     // What is gone is never warned of again, so it need not be remembered.
     warned.retain(|(whom, _)| whom.is_none_or(|entity| known.contains(entity)));
-    decided.clear();
-    decided.extend(views.decisions.iter().map(|decision| decision.mirror));
-    for (entity, mut status) in &mut statuses {
-        // No camera is concerned any more, or it is no mirror any more.
-        if !status.cameras.is_empty() && !decided.contains(&entity) {
+    let clear = |mut status: Mut<MirrorStatus>| {
+        if !status.cameras.is_empty() {
             status.cameras.clear();
         }
+    };
+    undecided.iter_mut().for_each(clear);
+    if views.decisions.is_empty() {
+        statuses.iter_mut().for_each(clear);
     }
     for mirror in views.decisions.chunk_by(|a, b| a.mirror == b.mirror) {
         let entity = mirror[0].mirror;
-        let Ok((_, mut status)) = statuses.get_mut(entity) else {
+        let Ok(mut status) = statuses.get_mut(entity) else {
             continue;
         };
         if status

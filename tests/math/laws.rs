@@ -1,7 +1,7 @@
 //! Laws of reflection and of the oblique near plane, on random planes, cameras and projections.
 
 use bevy_planar_mirror::math::*;
-use glam::{DAffine3, DMat4, DVec3, DVec4};
+use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4};
 use proptest::prelude::*;
 
 use crate::random::*;
@@ -197,6 +197,45 @@ proptest! {
                 let allowed = 1e-12 * (1.0 + view.truncate().length());
                 prop_assert!(side.dot(view) >= -allowed, "{name}: {view} is outside of {side}");
             }
+        }
+    }
+
+    #[test]
+    fn edge_sides_hold_what_the_polygon_shows_and_little_more(
+        input in any_scene(),
+        weights in any_weights(),
+        w in 0.1..100.0_f64,
+        edge in 0..12_usize,
+    ) {
+        let Ok(plan) = plan_reflected_view(&input) else {
+            return Ok(());
+        };
+        let sides: Vec<_> =
+            edge_sides(&plan.polygon, &input.clip_from_view, input.viewport_size).collect();
+        prop_assert!(sides.len() >= 3);
+        let projection = BaseProjection::new(&input.clip_from_view).expect("invertible");
+        let view = |p: DVec2| {
+            let view = projection.view_from_clip * DVec4::new(p.x, p.y, 0.5 / w, 1.0);
+            view / view.w
+        };
+        let seen = view(inside(&plan.polygon, weights));
+        let is_in_front = |view: DVec4| (input.clip_from_view * view).w > 0.0;
+        if is_in_front(seen) {
+            for side in &sides {
+                prop_assert!(side.dot(seen) >= 0.0, "{seen} is outside of {side}");
+            }
+        }
+        // Five pixels beside the middle of an edge nothing is left.
+        let corners: Vec<_> = plan.polygon.ndc().collect();
+        let (a, b) = (corners[edge % corners.len()], corners[(edge + 1) % corners.len()]);
+        let pixels = input.viewport_size * 0.5;
+        let center = corners.iter().sum::<DVec2>() / corners.len() as f64;
+        let outwards = ((b - a) * pixels).perp();
+        let middle = a.midpoint(b);
+        let outwards = outwards * outwards.dot((middle - center) * pixels).signum();
+        let beside = view(middle + outwards.normalize_or_zero() * 5.0 / pixels);
+        if outwards != DVec2::ZERO && is_in_front(beside) {
+            prop_assert!(sides.iter().any(|side| side.dot(beside) < 0.0), "{beside} is inside");
         }
     }
 
