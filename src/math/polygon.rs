@@ -187,20 +187,14 @@ pub fn clip_polygon_within(
     if !corners_clip.iter().all(|corner| corner.is_finite()) {
         return VisiblePolygon::EMPTY;
     }
-    let mut quad = VisiblePolygon::EMPTY;
+    let mut visible = VisiblePolygon::EMPTY;
     for &corner in corners_clip {
-        quad.push(corner);
+        visible.push(corner);
     }
-    let mut visible = quad
-        // First, so that w is positive from here on.
-        .clipped(|v| v.w - v.z)
-        .clipped(|v| v.z)
-        .clipped(|v| high.x * v.w - v.x)
-        .clipped(|v| v.x - low.x * v.w)
-        .clipped(|v| high.y * v.w - v.y)
-        .clipped(|v| v.y - low.y * v.w);
-    if let Some(plane) = plane_clip {
-        visible = visible.clipped(|v| plane.dot(v));
+    for plane in volume(low, high).into_iter().chain(plane_clip) {
+        if visible.vertices().iter().any(|v| plane.dot(*v) < 0.0) {
+            visible = visible.clipped(|v| plane.dot(v));
+        }
     }
     // A projection without a near plane leaves the eye itself, which has no place on the screen.
     let on_screen = visible
@@ -212,4 +206,25 @@ pub fn clip_polygon_within(
     } else {
         VisiblePolygon::EMPTY
     }
+}
+
+/// Whether a quad lies wholly beyond one plane of the clip volume between `low` and `high`: what
+/// there is to know of most mirrors, at a small part of the price of their polygon.
+pub(super) fn is_beyond(corners_clip: &[DVec4; 4], (low, high): (DVec2, DVec2)) -> bool {
+    volume(low, high)
+        .iter()
+        .any(|plane| corners_clip.iter().all(|v| plane.dot(*v) < 0.0))
+}
+
+/// The planes of the clip volume between `low` and `high` on the screen, to the inside.
+fn volume(low: DVec2, high: DVec2) -> [DVec4; 6] {
+    [
+        // First, so that w is positive from there on.
+        DVec4::new(0.0, 0.0, -1.0, 1.0),
+        DVec4::new(0.0, 0.0, 1.0, 0.0),
+        DVec4::new(-1.0, 0.0, 0.0, high.x),
+        DVec4::new(1.0, 0.0, 0.0, -low.x),
+        DVec4::new(0.0, -1.0, 0.0, high.y),
+        DVec4::new(0.0, 1.0, 0.0, -low.y),
+    ]
 }

@@ -9,7 +9,7 @@ use super::{
         with_depth_row,
     },
     plane::Plane,
-    polygon::{Opening, VisiblePolygon, clip_polygon_within},
+    polygon::{Opening, VisiblePolygon, clip_polygon_within, is_beyond},
     projection::{BaseProjection, is_orthographic},
     reflection::reflected_world_from_view,
 };
@@ -173,25 +173,29 @@ pub fn plan_reflected_view_within(
     if !is_seen_from_front(input, limits.steps) {
         return Err(Skip::EyeBehind);
     }
-    let projection = BaseProjection::new(&input.clip_from_view).ok_or(Skip::DegenerateView)?;
     let view_from_world = checked_inverse(&world_from_view)?;
-
     let eye = world_from_view.translation;
+    let bounds = (opening.low, opening.high);
+    let corners_clip = input.corners.map(|corners| {
+        // Relative to the eye, which may be far from the origin.
+        corners.map(|p| input.clip_from_view * (view_from_world * (p - eye)).extend(1.0))
+    });
+    if corners_clip.is_some_and(|corners| is_beyond(&corners, bounds)) {
+        return Err(Skip::OutOfView);
+    }
+    let projection = BaseProjection::new(&input.clip_from_view).ok_or(Skip::DegenerateView)?;
+
     let eye_height = plane.signed_distance(eye);
     let plane_view = plane_in_reflected_view(&plane, &world_from_view);
 
-    let polygon = match &input.corners {
+    let polygon = match &corners_clip {
         None => VisiblePolygon::all_within(opening),
-        Some(corners) => clip_polygon_within(
-            &corners.map(|corner| {
-                // Relative to the eye, which may be far from the origin.
-                projection.clip_from_view * (view_from_world * (corner - eye)).extend(1.0)
-            }),
-            (opening.low, opening.high),
-            opening
+        Some(corners) => {
+            let before = opening
                 .plane_view
-                .map(|plane_view| projection.clip_covector(plane_view)),
-        ),
+                .map(|plane| projection.clip_covector(plane));
+            clip_polygon_within(corners, bounds, before)
+        }
     };
     if polygon.is_empty() {
         return Err(Skip::OutOfView);
