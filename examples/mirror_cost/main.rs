@@ -13,7 +13,9 @@
 //!
 //! Times are of frames that are not pipelined: an update of the app until the last pixel is drawn.
 //! The apps of a row are alive at once and take turns frame by frame, forth and back, so that a
-//! machine that slows down slows all alike. Nothing moves.
+//! machine that slows down slows all alike; halfway they are started anew, in the other order.
+//! Nothing moves. The row `control` compares an app with its like: other ratios are no surer than
+//! that one is near 1.
 
 use std::process::ExitCode;
 
