@@ -67,8 +67,8 @@ impl From<String> for Failure {
     }
 }
 
-/// Times frames of each side, as many as the plan says. `part` makes of the milliseconds of one round, in the order
-/// of the sides, what is compared.
+/// Times frames of each side, as many as the plan says. `part` makes of the milliseconds of one
+/// round, in the order of the sides, what is compared.
 pub fn measure(
     plan: &Plan,
     sides: &[Side],
