@@ -32,7 +32,7 @@ mod estimate;
 #[expect(dead_code, reason = "error_vs_time needs more of it")]
 mod frames;
 #[path = "../error_vs_time/lens.rs"]
-#[expect(dead_code, reason = "error_vs_time needs more of it")]
+#[allow(dead_code, reason = "error_vs_time and the tests need more of it")]
 mod lens;
 #[path = "../error_vs_time/machine.rs"]
 mod machine;
@@ -53,7 +53,7 @@ mod scenes;
 #[expect(dead_code, reason = "other examples need more of it")]
 mod shared;
 #[path = "../error_vs_time/spans.rs"]
-#[expect(dead_code, reason = "error_vs_time needs more of it")]
+#[allow(dead_code, reason = "error_vs_time and the tests need more of it")]
 mod spans;
 #[path = "../error_vs_time/stats.rs"]
 mod stats;
