@@ -24,11 +24,11 @@ pub struct Args {
     #[argh(option)]
     row: Vec<String>,
 
-    /// height of the pictures in pixels (360, or 144 with --quick); they are 16:9
+    /// height of the pictures in pixels (240, or 144 with --quick); they are 16:9
     #[argh(option, from_str_fn(size))]
     size: Option<u32>,
 
-    /// frames of each app that are timed (40, or 8 with --quick)
+    /// frames of each app that are timed (48, or 8 with --quick)
     #[argh(option, from_str_fn(frames))]
     frames: Option<u32>,
 
@@ -90,8 +90,8 @@ impl Args {
         };
         Ok(Plan {
             rows: all.into_iter().filter(wanted).collect(),
-            height: or(self.size, 144, 360),
-            frames: or(self.frames, 8, 40),
+            height: or(self.size, 144, 240),
+            frames: or(self.frames, 8, 48),
             out: self.out.unwrap_or_else(|| "target/mirror_cost".into()),
             pictures: self.pictures,
         })
@@ -99,9 +99,9 @@ impl Args {
 }
 
 fn size(text: &str) -> Result<u32, String> {
-    cli::within(text, 48..=1080, "48 to 1080 pixels, as in 360")
+    cli::within(text, 48..=1080, "48 to 1080 pixels, as in 240")
 }
 
 fn frames(text: &str) -> Result<u32, String> {
-    cli::within(text, 1..=10_000, "1 to 10000 frames, as in 40")
+    cli::within(text, 1..=10_000, "1 to 10000 frames, as in 48")
 }

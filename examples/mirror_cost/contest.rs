@@ -67,45 +67,49 @@ impl From<String> for Failure {
     }
 }
 
-/// Times frames of each side, as many as the plan says. `part` makes of the milliseconds of one round, in the order
-/// of the sides, what is compared.
+/// Times frames of each side, as many as the plan says. `part` makes of the milliseconds of one
+/// round, in the order of the sides, what is compared.
 pub fn measure(
     plan: &Plan,
     sides: &[Side],
     clock: fn(&FrameTimes) -> f64,
     part: impl Fn(&[f64]) -> Part,
 ) -> Outcome {
-    let mut stages = Vec::new();
-    let mut pictures = Vec::new();
-    for side in sides {
-        let mut stage = start(side.how);
-        let target = set_up(&mut stage, side);
-        frames::settle(&mut stage)?;
-        if plan.pictures {
-            let picture = stage.read(&target, side.scene.size);
-            pictures.push((side.name, picture.map_err(|reason| reason.to_string())?));
-        }
-        stages.push(stage);
-    }
     let mut times = vec![Vec::new(); sides.len()];
-    for round in 0..plan.frames {
-        let mut order: Vec<usize> = (0..sides.len()).collect();
-        if round % 2 == 1 {
-            order.reverse();
+    let mut details = vec![String::new(); sides.len()];
+    let mut pictures = Vec::new();
+    // Whatever it is that makes apps faster or slower by when they were started, it shall not count:
+    // in the second half they start the other way around.
+    let mut order: Vec<usize> = (0..sides.len()).collect();
+    for rounds in [plan.frames.div_ceil(2), plan.frames / 2] {
+        let mut stages: Vec<(usize, Stage)> = Vec::new();
+        for &index in &order {
+            let side = &sides[index];
+            let mut stage = start(side.how);
+            let target = set_up(&mut stage, side);
+            frames::settle(&mut stage)?;
+            if plan.pictures && pictures.len() < sides.len() {
+                let picture = stage.read(&target, side.scene.size);
+                pictures.push((side.name, picture.map_err(|reason| reason.to_string())?));
+            }
+            stages.push((index, stage));
         }
-        for index in order {
-            let stage = &mut stages[index];
-            times[index].push(clock(&frames::timed(stage)?));
-            if stage.app().should_exit().is_some() {
-                return Err(Failure::Interrupted);
+        for _ in 0..rounds {
+            stages.reverse();
+            for (index, stage) in &mut stages {
+                times[*index].push(clock(&frames::timed(stage)?));
+                if stage.app().should_exit().is_some() {
+                    return Err(Failure::Interrupted);
+                }
             }
         }
+        for (index, stage) in &mut stages {
+            details[*index] = describe(&sides[*index], &times[*index], stage);
+        }
+        order.reverse();
     }
     let parts: Vec<Part> = (0..plan.frames as usize)
         .map(|round| part(&times.iter().map(|side| side[round]).collect::<Vec<_>>()))
-        .collect();
-    let details: Vec<String> = (sides.iter().zip(&times).zip(&mut stages))
-        .map(|((side, times), stage)| details(side, times, stage))
         .collect();
     let nothing = || Failure::Reason("nothing was measured".into());
     Ok(Measured {
@@ -140,7 +144,7 @@ fn set_up(stage: &mut Stage, side: &Side) -> Handle<Image> {
 }
 
 /// Times, and of how many pixels each reflected view shows something.
-fn details(side: &Side, times: &[f64], stage: &mut Stage) -> String {
+fn describe(side: &Side, times: &[f64], stage: &mut Stage) -> String {
     let time = Summary::of(times).map_or(String::new(), |times| {
         format!(" {:.3} +- {:.3} ms", times.median, times.spread)
     });

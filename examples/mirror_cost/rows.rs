@@ -32,6 +32,12 @@ pub fn all() -> Vec<Row> {
     };
     vec![
         ratio(
+            "control",
+            "frame without the plugin / the same once more",
+            None,
+            control,
+        ),
+        ratio(
             "off-screen",
             "frame with the mirror out of view / without the plugin",
             Some(1.02),
@@ -137,6 +143,13 @@ fn of_frames(plan: &Plan, scene: Scene) -> Outcome {
         side("mirror", MIRRORS, &scene),
         side("without", How::Without, &scene),
     ];
+    measure(plan, &sides, whole, frame_by_frame)
+}
+
+/// Twice the same: how far from 1 a ratio is by chance, or by a fault of the measurement.
+fn control(plan: &Plan) -> Outcome {
+    let scene = few_lamps(plan);
+    let sides = ["first", "second"].map(|name| side(name, How::Without, &scene));
     measure(plan, &sides, whole, frame_by_frame)
 }
 
