@@ -1,36 +1,20 @@
 //! What the plugin allocates in the main world in a frame in which nothing happens.
-//!
-//! The app has the plugin's systems and no others, which run on this thread: the engine's own systems allocate too, and
-//! not the same in every frame.
+
+#[path = "support/alone.rs"]
+mod alone;
 
 use allocation_counter::{AllocationInfo, measure};
-use bevy::{
-    asset::AssetEvent,
-    camera::{CameraProjection, RenderTargetInfo, visibility::InheritedVisibility},
-    ecs::schedule::{Schedules, SingleThreadedExecutor},
-    prelude::*,
-    render::RenderApp,
-};
-use bevy_planar_mirror::{MirrorState, MirrorStatus, NotDrawn, PlanarMirror, PlanarMirrorPlugin};
+use bevy::prelude::*;
+use bevy_planar_mirror::{MirrorState, MirrorStatus, NotDrawn, PlanarMirrorPlugin};
+
+use alone::{mesh, spawn_camera, spawn_mirror};
 
 fn app() -> App {
-    let mut app = App::new();
-    app.insert_resource(Assets::<Mesh>::default())
-        .add_message::<AssetEvent<Mesh>>();
-    // A renderer that draws nothing.
-    let mut renderer = SubApp::new();
-    renderer.set_extract(|_, _| {});
-    app.insert_sub_app(RenderApp, renderer);
-    app.add_plugins(PlanarMirrorPlugin::default())
-        .init_resource::<Moves>()
-        .add_systems(Update, move_camera);
-    let mut schedules = app.world_mut().resource_mut::<Schedules>();
-    for (_, schedule) in schedules.iter_mut() {
-        schedule.set_executor(SingleThreadedExecutor::new());
-    }
-    app.finish();
-    app.cleanup();
-    app
+    alone::app(|app| {
+        app.add_plugins(PlanarMirrorPlugin::default())
+            .init_resource::<Moves>()
+            .add_systems(Update, move_camera);
+    })
 }
 
 /// Mirrors that are drawn and a camera that sees them, some frames after they came.
@@ -49,40 +33,6 @@ fn app_with_mirrors(count: usize) -> App {
     let mut statuses = world.query::<&MirrorStatus>();
     assert!(statuses.iter(world).all(MirrorStatus::is_drawn));
     app
-}
-
-fn mesh(app: &mut App) -> Handle<Mesh> {
-    let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
-    meshes.add(Rectangle::new(1.0, 1.0))
-}
-
-/// With all that the engine would compute of it.
-fn spawn_mirror(app: &mut App, mesh: Handle<Mesh>, place: Transform) -> Entity {
-    let mirror = (
-        Mesh3d(mesh),
-        place,
-        GlobalTransform::from(place),
-        InheritedVisibility::VISIBLE,
-        PlanarMirror::default(),
-    );
-    app.world_mut().spawn(mirror).id()
-}
-
-/// With all that the engine would compute of it.
-fn spawn_camera(app: &mut App) {
-    const SIZE: UVec2 = uvec2(200, 100);
-    let mut projection = PerspectiveProjection::default();
-    projection.update(SIZE.x as f32, SIZE.y as f32);
-    let mut camera = Camera::default();
-    camera.computed.clip_from_view = projection.get_clip_from_view();
-    camera.computed.target_info = Some(RenderTargetInfo {
-        physical_size: SIZE,
-        scale_factor: 1.0,
-    });
-    let place = GlobalTransform::from_xyz(0.0, 0.0, 5.0);
-    let projection = Projection::from(projection);
-    let camera = (Camera3d::default(), camera, projection, place);
-    app.world_mut().spawn(camera);
 }
 
 /// Whether the camera moves.

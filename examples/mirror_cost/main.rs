@@ -7,6 +7,7 @@
 //! |---|---|
 //! | `rows.rs` | what is compared with what |
 //! | `rooms.rs`, `crowd.rs` | in which scenes |
+//! | `idle.rs` | how long the plugin's own systems take |
 //! | `contest.rs` | how long the frames of several apps take, in turn |
 //! | `estimate.rs` | what ratio that is, and how sure |
 //! | `told.rs` | the table and the CSV |
@@ -19,6 +20,8 @@
 
 use std::process::ExitCode;
 
+#[path = "../../tests/support/alone.rs"]
+mod alone;
 mod args;
 #[path = "../error_vs_time/attempt.rs"]
 mod attempt;
@@ -31,6 +34,7 @@ mod estimate;
 #[path = "../error_vs_time/frames.rs"]
 #[expect(dead_code, reason = "error_vs_time needs more of it")]
 mod frames;
+mod idle;
 #[path = "../error_vs_time/lens.rs"]
 #[allow(dead_code, reason = "error_vs_time and the tests need more of it")]
 mod lens;

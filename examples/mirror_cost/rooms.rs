@@ -224,24 +224,6 @@ pub fn facing_mirrors(height: u32, lamps: u16) -> Scene {
         .mirror(Surface::wall(size.x, size.y, opposite))
 }
 
-/// A thousand mirrors of which the eye sees none: half are behind it, half have their backs to it.
-pub fn thousand_unseen(height: u32) -> Scene {
-    let mut scene = Scene::new("thousand").eye(Vec3::Z * DISTANCE, Vec3::ZERO);
-    scene.size = UVec2::new(height * 16 / 9, height);
-    for i in 0..1000_u16 {
-        let (column, row) = (f32::from(i % 40), f32::from(i / 40));
-        let place = at(column * 0.05 - 1.0, row * 0.05 - 0.6, 0.0);
-        let away = place.with_rotation(Quat::from_rotation_y(PI));
-        let transform = if i % 2 == 0 {
-            away
-        } else {
-            away.with_translation(place.translation + Vec3::Z * 2.0 * DISTANCE)
-        };
-        scene = scene.mirror(Surface::wall(0.04, 0.04, transform));
-    }
-    scene
-}
-
 /// The table of the teapot under a sun, whose shadows fall in Bevy's four cascades.
 pub fn teapot(height: u32, shadows: bool) -> Result<Scene, String> {
     let all = scenes::all();

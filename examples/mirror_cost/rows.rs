@@ -6,7 +6,7 @@ use crate::{
     crowd,
     estimate::Part,
     frames::FrameTimes,
-    rooms,
+    idle, rooms,
     support::scene::{Scene, Surface},
 };
 
@@ -92,11 +92,11 @@ pub fn all() -> Vec<Row> {
             tiles,
         ),
         Row {
-            name: "main-world",
-            compared: "main world's schedules with 1000 mirrors, none seen, less without the plugin",
+            name: "unseen",
+            compared: "the plugin's systems in the main world, 1000 mirrors, none seen",
             goal: Some(100.0),
             unit: " us",
-            measure: main_world,
+            measure: idle::measure,
         },
         ratio(
             "bounces",
@@ -230,24 +230,6 @@ fn tiles(plan: &Plan) -> Outcome {
         side("one mirror", MIRRORS, &with(&room, rooms::floor())),
     ];
     measure(plan, &sides, whole, frame_by_frame)
-}
-
-fn main_world(plan: &Plan) -> Outcome {
-    let scene = rooms::thousand_unseen(plan.height);
-    let sides = [
-        side("mirrors", MIRRORS, &scene),
-        side("without", How::Without, &scene),
-    ];
-    let part = |times: &[f64]| Part {
-        of: (times[0] - times[1]) * 1e3,
-        by: 1.0,
-    };
-    // These frames are short, and the difference is a small part of them.
-    let plan = Plan {
-        frames: plan.frames * 10,
-        ..plan.clone()
-    };
-    measure(&plan, &sides, |times| times.main, part)
 }
 
 fn bounces(plan: &Plan) -> Outcome {
