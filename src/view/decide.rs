@@ -1,10 +1,7 @@
 //! Which camera sees which mirror, and otherwise why not.
 
 use bevy::{
-    camera::{
-        Camera, Camera3d, ShadowLodOrigin,
-        visibility::{InheritedVisibility, RenderLayers},
-    },
+    camera::{Camera, Camera3d, ShadowLodOrigin, visibility::RenderLayers},
     core_pipeline::prepass::DeferredPrepass,
     ecs::prelude::*,
     render::camera::TemporalJitter,
@@ -14,14 +11,9 @@ use glam::{DAffine3, DMat4, DVec2};
 
 use super::{
     Decision, MirrorLimits, ReflectedView, ReflectedViews,
-    fit::MirrorPlace,
     sight::{MirrorInput, Sight, Viewer},
 };
-use crate::{
-    math::Opening,
-    mirror::{NoMirrors, PlanarMirror},
-    status::NotDrawn,
-};
+use crate::{math::Opening, mirror::NoMirrors, status::NotDrawn};
 
 /// A user's camera, widened to the precision of the maths.
 pub struct CameraInput {
@@ -53,17 +45,10 @@ pub fn decide_reflected_views(
         ),
         (With<Camera3d>, Without<NoMirrors>, Without<ReflectedView>),
     >,
-    mirrors: Query<(
-        Entity,
-        &PlanarMirror,
-        &MirrorPlace,
-        &InheritedVisibility,
-        Option<&RenderLayers>,
-    )>,
+    mirrors: Query<MirrorInput>,
     ranged: Query<(), Or<(With<Camera>, With<ShadowLodOrigin>)>>,
     limits: Res<MirrorLimits>,
     mut camera_inputs: Local<Vec<CameraInput>>,
-    mut mirror_inputs: Local<Vec<MirrorInput>>,
     mut sight: Local<Sight>,
     mut views: ResMut<ReflectedViews>,
 ) {
@@ -72,7 +57,6 @@ pub fn decide_reflected_views(
     views.planned.clear();
     views.surfaces.clear();
     camera_inputs.clear();
-    mirror_inputs.clear();
     if mirrors.is_empty() {
         return;
     }
@@ -93,24 +77,7 @@ pub fn decide_reflected_views(
     // The order of archetypes changes with unrelated components; a status must not.
     camera_inputs.sort_unstable_by_key(|camera| camera.entity);
 
-    mirror_inputs.extend(
-        mirrors
-            .iter()
-            .map(|(entity, settings, place, visible, layers)| MirrorInput {
-                entity,
-                clip: settings.clip,
-                shadows: settings.shadows,
-                layers: layers.cloned().unwrap_or_default(),
-                place: if !views.can_draw {
-                    Err(NotDrawn::NoRenderer)
-                } else if !visible.get() {
-                    Err(NotDrawn::Hidden)
-                } else {
-                    place.0
-                },
-            }),
-    );
-    for mirror in mirror_inputs.iter() {
+    for mirror in &mirrors {
         views
             .decisions
             .extend(camera_inputs.iter().map(|camera| Decision {
@@ -120,11 +87,14 @@ pub fn decide_reflected_views(
             }));
     }
 
+    let default_layers = RenderLayers::default();
     for (index, camera) in camera_inputs.iter().enumerate() {
         let first = views.planned.len();
         let decisions = &mut views.decisions;
         let viewer = Viewer {
+            can_draw: views.can_draw,
             camera,
+            default_layers: &default_layers,
             view: camera.view,
             opening: Opening::SCREEN,
             viewer: None,
@@ -135,7 +105,7 @@ pub fn decide_reflected_views(
         };
         sight.see(
             &viewer,
-            &mirror_inputs,
+            &mirrors,
             &mut views.planned,
             &mut views.surfaces,
             |mirror, view| decisions[mirror * camera_inputs.len() + index].view = view,
@@ -147,7 +117,9 @@ pub fn decide_reflected_views(
             if outer.bounce < limits.max_bounces {
                 let (low, high) = outer.ndc_bounds;
                 let viewer = Viewer {
+                    can_draw: views.can_draw,
                     camera,
+                    default_layers: &default_layers,
                     view: camera.view.map(|view| CameraView {
                         world_from_view: outer.plan.world_from_view,
                         ..view
@@ -165,7 +137,7 @@ pub fn decide_reflected_views(
                 };
                 sight.see(
                     &viewer,
-                    &mirror_inputs,
+                    &mirrors,
                     &mut views.planned,
                     &mut views.surfaces,
                     |_, _| {},

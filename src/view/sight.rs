@@ -1,34 +1,43 @@
 //! What one viewer, a camera or a reflected view, sees of all mirrors.
 
-use bevy::{camera::visibility::RenderLayers, ecs::prelude::*, platform::collections::HashMap};
+use bevy::{
+    camera::visibility::{InheritedVisibility, RenderLayers},
+    ecs::{prelude::*, query::QueryData},
+    platform::collections::HashMap,
+};
 use glam::{DVec2, DVec3};
 
 use super::{
     DepthRange, PlannedView,
     decide::{CameraInput, CameraView},
+    fit::MirrorPlace,
 };
 use crate::{
     math::{
         Opening, Plane, ReflectedViewPlan, Skip, ViewInput, is_in_plane, joint_corners,
         plan_reflected_view_within,
     },
-    mirror::{MirrorClip, MirrorShadows},
+    mirror::{MirrorClip, MirrorShadows, PlanarMirror},
     status::{NotDrawn, Projection},
 };
 
 /// A mirror, wherever it is seen from.
+#[derive(QueryData)]
 pub struct MirrorInput {
     pub entity: Entity,
-    pub clip: MirrorClip,
-    pub shadows: MirrorShadows,
-    pub layers: RenderLayers,
-    /// Its plane and its corners in the world, as far as they are known.
-    pub place: Result<(Plane, Option<[DVec3; 4]>), NotDrawn>,
+    settings: &'static PlanarMirror,
+    place: &'static MirrorPlace,
+    visibility: &'static InheritedVisibility,
+    layers: Option<&'static RenderLayers>,
 }
 
 /// Who looks, and through what.
 pub struct Viewer<'a> {
+    /// Whether there is a renderer.
+    pub can_draw: bool,
     pub camera: &'a CameraInput,
+    /// Those of mirrors without any.
+    pub default_layers: &'a RenderLayers,
     /// Where it looks from, if that is known.
     pub view: Result<CameraView, NotDrawn>,
     pub opening: Opening,
@@ -53,6 +62,8 @@ pub struct Sight {
 struct SeenMirror {
     /// Which of the mirrors.
     mirror: usize,
+    entity: Entity,
+    corners: Option<[DVec3; 4]>,
     plan: ReflectedViewPlan,
     /// What is seen of it.
     pixels: f64,
@@ -76,7 +87,7 @@ impl Sight {
     pub fn see(
         &mut self,
         viewer: &Viewer,
-        mirrors: &[MirrorInput],
+        mirrors: &Query<MirrorInput>,
         planned: &mut Vec<PlannedView>,
         surfaces: &mut Vec<Entity>,
         mut tell: impl FnMut(usize, Result<usize, NotDrawn>),
@@ -84,10 +95,17 @@ impl Sight {
         self.seen.clear();
         self.groups.clear();
         for (mirror, input) in mirrors.iter().enumerate() {
-            match viewer.plan(input) {
+            match viewer.plan(&input) {
                 Ok((plane, corners, plan)) => {
-                    let pixels = plan.polygon.area_px(viewer.viewport_size());
-                    self.add(mirror, input, plane, corners, plan, pixels);
+                    let seen = SeenMirror {
+                        mirror,
+                        entity: input.entity,
+                        corners,
+                        plan,
+                        pixels: plan.polygon.area_px(viewer.viewport_size()),
+                        group: 0,
+                    };
+                    self.add(seen, input.settings, plane);
                 }
                 Err(reason) => tell(mirror, Err(reason)),
             }
@@ -109,7 +127,13 @@ impl Sight {
         });
         let mut left = viewer.max_views;
         for group in self.seen.chunk_by(|a, b| a.group == b.group) {
-            let joint = viewer.plan_joint(group, mirrors);
+            let Group {
+                plane,
+                clip,
+                shadows,
+                ..
+            } = self.groups[group[0].group];
+            let joint = viewer.plan_joint(&plane, group);
             let size = if joint.is_some() { group.len() } else { 1 };
             for members in group.chunks(size) {
                 if left == 0 {
@@ -123,14 +147,8 @@ impl Sight {
                     tell(seen.mirror, Ok(planned.len()));
                 }
                 let first = surfaces.len();
-                surfaces.extend(members.iter().map(|seen| mirrors[seen.mirror].entity));
+                surfaces.extend(members.iter().map(|seen| seen.entity));
                 surfaces[first..].sort_unstable();
-                let Group {
-                    plane,
-                    clip,
-                    shadows,
-                    ..
-                } = self.groups[group[0].group];
                 let plan = joint.unwrap_or(members[0].plan);
                 planned.push(PlannedView {
                     camera: viewer.camera.entity,
@@ -143,9 +161,7 @@ impl Sight {
                     plan,
                     clip,
                     shadows,
-                    entity: members
-                        .iter()
-                        .find_map(|seen| viewer.view_of(mirrors[seen.mirror].entity)),
+                    entity: members.iter().find_map(|seen| viewer.view_of(seen.entity)),
                     projection: Projection::Oblique,
                     depths: DepthRange::EVERYTHING,
                     pixels: members.iter().map(|seen| seen.pixels).sum(),
@@ -155,39 +171,27 @@ impl Sight {
         }
     }
 
-    fn add(
-        &mut self,
-        mirror: usize,
-        input: &MirrorInput,
-        plane: Plane,
-        corners: Option<[DVec3; 4]>,
-        plan: ReflectedViewPlan,
-        pixels: f64,
-    ) {
-        let known = corners.and_then(|corners| {
+    fn add(&mut self, mut seen: SeenMirror, settings: &PlanarMirror, plane: Plane) {
+        let PlanarMirror { clip, shadows, .. } = *settings;
+        let known = seen.corners.and_then(|corners| {
             self.groups.iter().position(|group| {
                 group.is_bounded
-                    && (group.clip, group.shadows) == (input.clip, input.shadows)
+                    && (group.clip, group.shadows) == (clip, shadows)
                     && is_in_plane(&group.plane, &plane, &corners)
             })
         });
-        let group = known.unwrap_or(self.groups.len());
+        seen.group = known.unwrap_or(self.groups.len());
         if known.is_none() {
             self.groups.push(Group {
                 plane,
-                clip: input.clip,
-                shadows: input.shadows,
-                is_bounded: corners.is_some(),
+                clip,
+                shadows,
+                is_bounded: seen.corners.is_some(),
                 pixels: 0.0,
             });
         }
-        self.groups[group].pixels += pixels;
-        self.seen.push(SeenMirror {
-            mirror,
-            plan,
-            pixels,
-            group,
-        });
+        self.groups[seen.group].pixels += seen.pixels;
+        self.seen.push(seen);
     }
 }
 
@@ -203,16 +207,19 @@ impl Viewer<'_> {
 
     fn plan(
         &self,
-        mirror: &MirrorInput,
+        mirror: &MirrorInputItem,
     ) -> Result<(Plane, Option<[DVec3; 4]>, ReflectedViewPlan), NotDrawn> {
-        // What concerns the mirror alone is named first.
-        if let Err(reason @ (NotDrawn::NoRenderer | NotDrawn::Hidden)) = mirror.place {
-            return Err(reason);
+        if !self.can_draw {
+            return Err(NotDrawn::NoRenderer);
         }
-        if !self.camera.layers.intersects(&mirror.layers) {
+        if !mirror.visibility.get() {
+            return Err(NotDrawn::Hidden);
+        }
+        let layers = mirror.layers.unwrap_or(self.default_layers);
+        if !self.camera.layers.intersects(layers) {
             return Err(NotDrawn::OtherLayers);
         }
-        let (plane, corners) = mirror.place?;
+        let (plane, corners) = mirror.place.0?;
         let was_drawn = self.view_of(mirror.entity).is_some();
         let plan = self.plan_quad(plane, corners, was_drawn)?;
         Ok((plane, corners, plan))
@@ -249,24 +256,14 @@ impl Viewer<'_> {
 
     /// One plan for several mirrors of a plane; `None` for a single one, or if there is no such
     /// plan, as may be at the limit of precision.
-    fn plan_joint(
-        &self,
-        group: &[SeenMirror],
-        mirrors: &[MirrorInput],
-    ) -> Option<ReflectedViewPlan> {
-        let (first, others) = group.split_first()?;
-        if others.is_empty() {
+    fn plan_joint(&self, plane: &Plane, group: &[SeenMirror]) -> Option<ReflectedViewPlan> {
+        if group.len() < 2 {
             return None;
         }
-        let quads = group
-            .iter()
-            .filter_map(|seen| mirrors[seen.mirror].place.ok()?.1);
-        let (plane, _) = mirrors[first.mirror].place.ok()?;
-        let was_drawn = group
-            .iter()
-            .any(|seen| self.view_of(mirrors[seen.mirror].entity).is_some());
-        self.plan_quad(plane, Some(joint_corners(&plane, quads)?), was_drawn)
-            .ok()
+        let quads = group.iter().filter_map(|seen| seen.corners);
+        let corners = joint_corners(plane, quads)?;
+        let was_drawn = group.iter().any(|seen| self.view_of(seen.entity).is_some());
+        self.plan_quad(*plane, Some(corners), was_drawn).ok()
     }
 }
 
