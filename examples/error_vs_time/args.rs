@@ -29,7 +29,7 @@ pub struct Args {
     #[argh(option, from_str_fn(size))]
     size: Option<u32>,
 
-    /// frames of each technique that are timed (40, or 12 with --quick)
+    /// frames of each technique that are timed (40, or 6 with --quick)
     #[argh(option, from_str_fn(frames))]
     frames: Option<u32>,
 
@@ -99,7 +99,7 @@ impl Args {
                 .map(|case| case.sized(height))
                 .collect(),
             height,
-            frames: or(self.frames, 12, 40),
+            frames: or(self.frames, 6, 40),
             out: self.out.unwrap_or_else(|| "target/error_vs_time".into()),
             pictures: self.pictures,
         })

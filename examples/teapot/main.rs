@@ -13,7 +13,7 @@ mod overlay;
 mod scene;
 mod settings;
 #[path = "../shared/mod.rs"]
-#[expect(dead_code, reason = "other examples need more of it")]
+#[allow(dead_code, reason = "other examples and the tests need more of it")]
 mod shared;
 mod sky;
 

@@ -7,7 +7,7 @@ use bevy::{
         error_handler::{ErrorType, RenderErrorHandler, RenderErrorPolicy},
         render_resource::PollType,
         renderer::RenderDevice,
-        settings::{RenderCreation, WgpuSettings},
+        settings::RenderCreation,
     },
 };
 use bevy_planar_mirror::PlanarMirrorPlugin;
@@ -143,9 +143,9 @@ fn after_a_lost_device_the_mirror_is_back() {
     let stage = Stage::new(|app| {
         app.add_plugins(PlanarMirrorPlugin::default())
             .insert_resource(RenderErrorHandler(|error, _, _| match error.ty {
-                ErrorType::DeviceLost => RenderErrorPolicy::Recover(RenderCreation::Automatic(
-                    Box::new(WgpuSettings::default()),
-                )),
+                ErrorType::DeviceLost => {
+                    RenderErrorPolicy::Recover(RenderCreation::Automatic(Box::default()))
+                }
                 _ => RenderErrorPolicy::StopRendering,
             }));
     });

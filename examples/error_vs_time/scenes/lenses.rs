@@ -20,7 +20,7 @@ pub fn cases() -> Vec<Case> {
             UVec2::new(100, 1),
         ),
         near(),
-        orthographic_facing().quick(),
+        orthographic_facing(),
         orthographic_grazing(),
     ]
 }

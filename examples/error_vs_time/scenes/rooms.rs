@@ -22,9 +22,9 @@ pub const WIDE: UVec2 = UVec2::new(16, 9);
 pub fn cases() -> Vec<Case> {
     vec![
         teapot().quick(),
-        corridor().quick(),
+        corridor(),
         floor("floor-1.6m", "a room's floor, the eye at 1.6 m", 1.6).quick(),
-        floor("floor-1cm", "the same floor, the eye 1 cm above it", 0.01).quick(),
+        floor("floor-1cm", "the same floor, the eye 1 cm above it", 0.01),
         head_on().quick(),
         off_45(),
     ]

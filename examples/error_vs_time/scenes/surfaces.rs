@@ -15,7 +15,7 @@ pub fn cases() -> Vec<Case> {
         scaled("scale-1e3", "a mirror of 4 mm, scaled by 1000", 1e3),
         flattened(),
         negative(),
-        scaled_camera().quick(),
+        scaled_camera(),
         moved("offset-1e3", "1000 units from the origin", 1e3, 1),
         moved("offset-1e4", "10 000 units from the origin", 1e4, 2).quick(),
         moved("offset-1e5", "100 000 units from the origin", 1e5, 8),
