@@ -13,7 +13,7 @@ use bevy::prelude::*;
 
 use crate::support::{
     live::{Live, find, named, of, unclad},
-    props::{BLUE, GREEN, RED, YELLOW, at, glass},
+    props::{BLUE, GREEN, RED, YELLOW, at, glass, lit, sun},
     scene::{Look, Scene, Surface},
 };
 
@@ -44,6 +44,19 @@ pub fn room(name: &str) -> Scene {
         )
         .with_camera(Name::new("camera"));
     scene.size = UVec2::new(96, 72);
+    scene
+}
+
+/// The room with a floor under a shadowed sun.
+pub fn sunny_room(name: &str) -> Scene {
+    let mut scene = room(name)
+        .object(
+            Cuboid::new(4.0, 0.1, 4.0),
+            lit(Color::srgb(0.8, 0.8, 0.7)),
+            at(0.0, -0.8, 0.0),
+        )
+        .prop((sun(true), Name::new("sun")));
+    scene.objects[0].look = named("box", lit(RED));
     scene
 }
 

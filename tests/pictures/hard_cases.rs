@@ -12,10 +12,10 @@ use bevy::{
 };
 use bevy_planar_mirror::PlanarMirrorPlugin;
 
-use super::changes::room;
+use super::changes::{room, sunny_room};
 use crate::support::{
     live::{Live, assert_each_seen_at_once, find, named, of},
-    props::{BLUE, GREEN, RED, at, lit, sun},
+    props::{BLUE, GREEN, RED, at},
     scene::{Scene, Surface},
     stage::Stage,
     studio::assert_reflects,
@@ -96,19 +96,6 @@ fn mirrors_of_wildly_different_sizes_reflect_together() {
     assert_reflects(&scene);
 }
 
-/// A wall, a box before it and a floor that takes its shadow.
-fn sunny(name: &str) -> Scene {
-    let mut scene = room(name)
-        .object(
-            Cuboid::new(4.0, 0.1, 4.0),
-            lit(Color::srgb(0.8, 0.8, 0.7)),
-            at(0.0, -0.8, 0.0),
-        )
-        .prop((sun(true), Name::new("sun")));
-    scene.objects[0].look = named("box", lit(RED));
-    scene
-}
-
 #[test]
 fn cascades_set_up_anew_at_run_time_are_those_of_the_reflection_too() {
     let cascades = |count: usize, first: f32, far: f32| {
@@ -127,7 +114,7 @@ fn cascades_set_up_anew_at_run_time_are_those_of_the_reflection_too() {
         }
     };
     assert_each_seen_at_once(
-        &sunny("cascades"),
+        &sunny_room("cascades"),
         &[
             &cascades(4, 2.0, 30.0),
             &cascades(1, 5.0, 12.0),
@@ -139,7 +126,7 @@ fn cascades_set_up_anew_at_run_time_are_those_of_the_reflection_too() {
 /// The engine makes its renderer anew and runs `RenderStartup` again.
 #[test]
 fn after_a_lost_device_the_mirror_is_back() {
-    let scene = sunny("lost-device");
+    let scene = sunny_room("lost-device");
     let stage = Stage::new(|app| {
         app.add_plugins(PlanarMirrorPlugin::default())
             .insert_resource(RenderErrorHandler(|error, _, _| match error.ty {

@@ -2,25 +2,11 @@
 
 use bevy::{core_pipeline::Skybox, prelude::*};
 
-use super::{add, despawn, insert, place, remove, room};
+use super::{add, despawn, insert, place, remove, room, sunny_room};
 use crate::support::{
-    live::{assert_each_seen_at_once, named, of},
-    props::{MAGENTA, RED, YELLOW, at, lit, six_colors, sun},
-    scene::Scene,
+    live::{assert_each_seen_at_once, of},
+    props::{MAGENTA, YELLOW, six_colors},
 };
-
-/// The room with a floor under a shadowed sun.
-fn sunny_room(name: &str) -> Scene {
-    let mut scene = room(name)
-        .object(
-            Cuboid::new(4.0, 0.1, 4.0),
-            lit(Color::srgb(0.8, 0.8, 0.7)),
-            at(0.0, -0.8, 0.0),
-        )
-        .prop((sun(true), Name::new("sun")));
-    scene.objects[0].look = named("box", lit(RED));
-    scene
-}
 
 #[test]
 fn shadows_are_switched_on_and_off_in_the_reflection_too() {
