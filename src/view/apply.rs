@@ -12,10 +12,7 @@ use bevy::{
 };
 use glam::DAffine3;
 
-use super::{
-    PlannedView, ReflectedView, ReflectedViews,
-    copy::{copy_camera_components, share_clusters},
-};
+use super::{PlannedView, ReflectedView, ReflectedViews, copy::copy_camera_components};
 use crate::math::{Plane, narrowed_sides, reflect_vector};
 
 /// So many views Bevy tells what is in its `VisibilityRange`, and it does not ask us which.
@@ -95,7 +92,6 @@ fn entity_of(
         views.entities.insert((viewer, *mirror), view);
     }
     copy_camera_components(world, camera, view, known.is_none());
-    share_clusters(world, camera, view, planned.share);
     Some((viewer, view))
 }
 

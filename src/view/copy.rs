@@ -26,8 +26,6 @@ use super::apply::set;
 /// it sees the reflection as part of the camera's own picture.
 ///
 /// A `fresh` view has default components that nobody chose: everything is copied.
-///
-/// Nor are the light clusters, see [`share_clusters`].
 pub fn copy_camera_components(world: &mut World, camera: Entity, view: Entity, fresh: bool) {
     let pair = Pair {
         camera,
@@ -35,6 +33,7 @@ pub fn copy_camera_components(world: &mut World, camera: Entity, view: Entity, f
         fresh,
     };
     pair.copy::<AmbientLight>(world);
+    pair.copy::<ClusterConfig>(world);
     pair.copy::<ColorGrading>(world);
     pair.copy::<CompositingSpace>(world);
     pair.copy::<DebandDither>(world);
@@ -55,27 +54,6 @@ pub fn copy_camera_components(world: &mut World, camera: Entity, view: Entity, f
     pair.copy::<Skybox>(world);
     pair.copy::<TemporalJitter>(world);
     pair.copy::<Tonemapping>(world);
-}
-
-/// Gives the view light clusters for the `share` of the picture that it fills: to find the lights of
-/// a cluster takes as long whether it is seen or not, and which lights are looked at twice changes
-/// no pixel.
-///
-/// In halves, so that their number stands still while the camera moves, and not below an eighth.
-/// What the user laid out in numbers along the axes stays.
-pub fn share_clusters(world: &mut World, camera: Entity, view: Entity, share: f64) {
-    let Some(mut config) = world.get::<ClusterConfig>(camera).copied() else {
-        world.entity_mut(view).remove::<ClusterConfig>();
-        return;
-    };
-    if let ClusterConfig::FixedZ {
-        total, z_slices, ..
-    } = &mut config
-    {
-        let halvings = (-share.log2()).floor().clamp(0.0, 3.0);
-        *total = (*total >> halvings as u32).max(*z_slices);
-    }
-    set(&mut world.entity_mut(view), config);
 }
 
 struct Pair {

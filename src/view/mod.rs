@@ -127,8 +127,6 @@ pub struct PlannedView {
     pub depths: DepthRange,
     /// What is seen of the mirrors, in pixels.
     pub pixels: f64,
-    /// The same as a share of the camera's picture.
-    pub share: f64,
     /// How many objects are visible. Filled in with `projection`.
     pub objects: usize,
 }

@@ -150,7 +150,6 @@ impl Sight {
                 surfaces.extend(members.iter().map(|seen| seen.entity));
                 surfaces[first..].sort_unstable();
                 let plan = joint.unwrap_or(members[0].plan);
-                let pixels: f64 = members.iter().map(|seen| seen.pixels).sum();
                 planned.push(PlannedView {
                     camera: viewer.camera.entity,
                     viewer: viewer.viewer,
@@ -165,8 +164,7 @@ impl Sight {
                     entity: members.iter().find_map(|seen| viewer.view_of(seen.entity)),
                     projection: Projection::Oblique,
                     depths: DepthRange::EVERYTHING,
-                    pixels,
-                    share: pixels / viewer.viewport_size().element_product(),
+                    pixels: members.iter().map(|seen| seen.pixels).sum(),
                     objects: 0,
                 });
             }
