@@ -104,10 +104,14 @@ impl VisiblePolygon {
 
     /// The area in pixels of a `viewport` of that size. 0 when empty.
     pub fn area_px(&self, viewport: DVec2) -> f64 {
-        let next = self.ndc().cycle().skip(1);
-        let twice: f64 = self.ndc().zip(next).map(|(a, b)| a.perp_dot(b)).sum();
         // Device coordinates are two units wide.
-        twice.abs() / 8.0 * viewport.x * viewport.y
+        self.twice_area().abs() / 8.0 * viewport.x * viewport.y
+    }
+
+    /// Twice the area in device coordinates, positive if the vertices turn to the left.
+    pub(super) fn twice_area(&self) -> f64 {
+        let next = self.ndc().cycle().skip(1);
+        self.ndc().zip(next).map(|(a, b)| a.perp_dot(b)).sum()
     }
 
     fn push(&mut self, vertex: DVec4) {

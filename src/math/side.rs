@@ -79,15 +79,10 @@ pub fn edge_sides<'a>(
 ) -> impl Iterator<Item = DVec4> + 'a {
     let pixels = viewport_size * 0.5;
     let next = polygon.ndc().cycle().skip(1);
-    // Twice the signed area: positive if the vertices turn to the left.
-    let turn: f64 = polygon
-        .ndc()
-        .zip(next.clone())
-        .map(|(a, b)| a.perp_dot(b))
-        .sum();
+    let turn = polygon.twice_area().signum();
     polygon.ndc().zip(next).filter_map(move |(a, b)| {
         let along = (b - a) * pixels;
-        let normal = along.perp() * turn.signum() / along.length();
+        let normal = along.perp() * turn / along.length();
         // n.(p - a) + guard in pixels, with p = (x, y) / w times pixels.
         let (n, a) = (normal * pixels, a * pixels);
         let side = clip_from_view.row(0) * n.x
