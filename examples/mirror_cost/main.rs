@@ -7,7 +7,7 @@
 //! |---|---|
 //! | `rows.rs` | what is compared with what |
 //! | `rooms.rs`, `crowd.rs` | in which scenes |
-//! | `idle.rs` | how long the plugin's own systems take |
+//! | `idle.rs`, `maths.rs` | how long the plugin's own systems take, and its maths |
 //! | `contest.rs` | how long the frames of several apps take, in turn |
 //! | `estimate.rs` | what ratio that is, and how sure |
 //! | `told.rs` | the table and the CSV |
@@ -40,6 +40,7 @@ mod idle;
 mod lens;
 #[path = "../error_vs_time/machine.rs"]
 mod machine;
+mod maths;
 #[path = "../error_vs_time/png.rs"]
 mod png;
 #[path = "../error_vs_time/pyramid.rs"]

@@ -6,7 +6,7 @@ use crate::{
     crowd,
     estimate::Part,
     frames::FrameTimes,
-    idle, rooms,
+    idle, maths, rooms,
     support::scene::{Scene, Surface},
 };
 
@@ -28,6 +28,13 @@ pub fn all() -> Vec<Row> {
         compared,
         goal,
         unit: "",
+        measure,
+    };
+    let nanoseconds = |name, compared, goal, measure| Row {
+        name,
+        compared,
+        goal: Some(goal),
+        unit: " ns",
         measure,
     };
     vec![
@@ -98,6 +105,30 @@ pub fn all() -> Vec<Row> {
             unit: " us",
             measure: idle::measure,
         },
+        nanoseconds(
+            "plan",
+            "the maths of a mirror that is drawn",
+            1000.0,
+            maths::of_a_plan,
+        ),
+        nanoseconds(
+            "skip-back",
+            "the maths of a mirror whose back is seen",
+            100.0,
+            maths::of_a_back,
+        ),
+        nanoseconds(
+            "skip-beside",
+            "the maths of a mirror beside the view",
+            100.0,
+            maths::of_one_out_of_view,
+        ),
+        nanoseconds(
+            "straddle",
+            "the test of an object against a mirror's plane",
+            5.0,
+            maths::of_an_object,
+        ),
         ratio(
             "bounces",
             "extra time of facing mirrors, 8 bounces / 1 bounce",

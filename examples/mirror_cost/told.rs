@@ -44,6 +44,8 @@ impl Told {
         let number = |value: f64| {
             if unit.is_empty() {
                 format!("{value:.3}")
+            } else if value < 10.0 {
+                format!("{value:.1}{unit}")
             } else {
                 format!("{value:.0}{unit}")
             }

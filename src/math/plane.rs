@@ -24,6 +24,7 @@ impl Plane {
     ///
     /// In relative form, `n.(p - o)`: far from the origin of the world, `n.p - n.o` would be the
     /// small difference of two large numbers.
+    #[inline]
     pub fn signed_distance(&self, p: DVec3) -> f64 {
         self.normal.dot(p - self.origin)
     }

@@ -215,9 +215,24 @@ pub fn clip_polygon_within(
 /// Whether a quad lies wholly beyond one plane of the clip volume between `low` and `high`: what
 /// there is to know of most mirrors, at a small part of the price of their polygon.
 pub(super) fn is_beyond(corners_clip: &[DVec4; 4], (low, high): (DVec2, DVec2)) -> bool {
-    volume(low, high)
-        .iter()
-        .any(|plane| corners_clip.iter().all(|v| plane.dot(*v) < 0.0))
+    // The dot products with `volume`, without what is zero.
+    let is_outside = |v: &DVec4| {
+        [
+            v.w < v.z,
+            v.z < 0.0,
+            high.x * v.w < v.x,
+            v.x < low.x * v.w,
+            high.y * v.w < v.y,
+            v.y < low.y * v.w,
+        ]
+    };
+    let mut are_all_outside = [true; 6];
+    for corner in corners_clip {
+        for (all, one) in are_all_outside.iter_mut().zip(is_outside(corner)) {
+            *all &= one;
+        }
+    }
+    are_all_outside.contains(&true)
 }
 
 /// The planes of the clip volume between `low` and `high` on the screen, to the inside.

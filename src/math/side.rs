@@ -22,12 +22,11 @@ pub enum Side {
 ///
 /// `half_axes` run from the center of the box to the middles of three faces. Exact for every
 /// parallelepiped.
+#[inline]
 pub fn signed_distance_range(plane: &Plane, center: DVec3, half_axes: [DVec3; 3]) -> (f64, f64) {
     let middle = plane.signed_distance(center);
-    let reach: f64 = half_axes
-        .iter()
-        .map(|axis| plane.normal.dot(*axis).abs())
-        .sum();
+    let [x, y, z] = half_axes.map(|axis| plane.normal.dot(axis).abs());
+    let reach = x + y + z;
     (middle - reach, middle + reach)
 }
 
@@ -36,6 +35,7 @@ pub fn signed_distance_range(plane: &Plane, center: DVec3, half_axes: [DVec3; 3]
 /// What reaches no more than `tolerance` behind the plane counts as in front of it, and what
 /// reaches no more than that in front of it as behind: an object in the plane shows nothing new.
 /// An unknown range (not a number) straddles: it is drawn, and cut.
+#[inline]
 pub fn classify((least, greatest): (f64, f64), tolerance: f64) -> Side {
     if greatest <= tolerance {
         Side::Behind

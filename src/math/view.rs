@@ -176,10 +176,11 @@ pub fn plan_reflected_view_within(
     let view_from_world = checked_inverse(&world_from_view)?;
     let eye = world_from_view.translation;
     let bounds = (opening.low, opening.high);
-    let corners_clip = input.corners.map(|corners| {
-        // Relative to the eye, which may be far from the origin.
-        corners.map(|p| input.clip_from_view * (view_from_world * (p - eye)).extend(1.0))
-    });
+    // Relative to the eye, which may be far from the origin.
+    let to_clip = |p: DVec3| input.clip_from_view * (view_from_world * (p - eye)).extend(1.0);
+    let corners_clip = input
+        .corners
+        .map(|[a, b, c, d]| [to_clip(a), to_clip(b), to_clip(c), to_clip(d)]);
     if corners_clip.is_some_and(|corners| is_beyond(&corners, bounds)) {
         return Err(Skip::OutOfView);
     }
@@ -248,7 +249,9 @@ fn is_sound(input: &ViewInput) -> bool {
         && input.viewport_size.min_element() > 0.0
         && input.jitter_px.is_finite()
         && input.jitter_px >= 0.0
-        && input.corners.iter().flatten().all(|p| p.is_finite())
+        && input
+            .corners
+            .is_none_or(|corners| corners.iter().all(|p| p.is_finite()))
 }
 
 /// The inverse of the camera's axes.

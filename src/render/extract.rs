@@ -18,11 +18,7 @@ use bevy::{
 };
 use glam::{Mat4, Vec2};
 
-use crate::{
-    math::depth_error,
-    status::Projection,
-    view::{DepthRange, ReflectedViews},
-};
+use crate::{math::depth_error, status::Projection, view::ReflectedViews};
 
 /// Every reflection of this frame.
 #[derive(Resource, Default)]
@@ -32,6 +28,8 @@ pub struct ExtractedMirrors {
     pub views: Vec<ExtractedMirrorView>,
     /// The surfaces of all views, each view's together.
     pub surfaces: Vec<ExtractedSurface>,
+    /// The shadow cascades that all views read, each view's together.
+    pub cascades: Vec<ExtractedCascade>,
 }
 
 /// A reflected view. Entities are those of the render world.
@@ -51,7 +49,8 @@ pub struct ExtractedMirrorView {
     pub clip_unbounded: Option<Mat4>,
     /// See [`PlannedView`].
     pub ndc_bounds: (Vec2, Vec2),
-    pub depths: DepthRange,
+    /// Which of [`ExtractedMirrors::cascades`] it reads.
+    pub cascades: Range<usize>,
     /// By how much the depths that two programs compute for a surface in `viewer` may differ.
     pub depth_noise: f32,
 }
@@ -60,6 +59,13 @@ pub struct ExtractedMirrorView {
 pub struct ExtractedSurface {
     pub mesh: AssetId<Mesh>,
     pub world_from_local: Mat4,
+}
+
+/// See [`SeenCascade`](crate::view::SeenCascade).
+pub struct ExtractedCascade {
+    pub light: Entity,
+    pub index: usize,
+    pub ndc_bounds: Option<(Vec2, Vec2)>,
 }
 
 pub fn extract_mirrors(
@@ -71,6 +77,7 @@ pub fn extract_mirrors(
     let extracted = &mut *extracted;
     extracted.views.clear();
     extracted.surfaces.clear();
+    extracted.cascades.clear();
     for (index, planned) in views.planned.iter().enumerate() {
         if planned.viewer.is_none() {
             extract_tree(index, &views, &entities, &mirrors, extracted);
@@ -106,6 +113,15 @@ fn extract_tree(
                 world_from_local: transform.to_matrix(),
             }),
     );
+    let first_cascade = extracted.cascades.len();
+    let of_view = views.cascades.iter().filter(|seen| seen.view == index);
+    extracted.cascades.extend(of_view.filter_map(|seen| {
+        Some(ExtractedCascade {
+            light: render_entity(Some(seen.light))?,
+            index: seen.index,
+            ndc_bounds: seen.ndc_bounds,
+        })
+    }));
     let (low, high) = planned.ndc_bounds;
     extracted.views.push(ExtractedMirrorView {
         camera,
@@ -116,7 +132,7 @@ fn extract_tree(
         clip_from_view: planned.clip_from_view,
         clip_unbounded: planned.clip_unbounded(),
         ndc_bounds: (low.as_vec2(), high.as_vec2()),
-        depths: planned.depths,
+        cascades: first_cascade..extracted.cascades.len(),
         depth_noise: match outer {
             Some(outer) if outer.projection == Projection::Oblique => {
                 depth_error(outer.plan.noise) as f32

@@ -8,14 +8,16 @@
 //! | what glass in a reflection refracts | `PrepareResources` | `transmission.rs` |
 //! | mask pipelines, textures, bind groups | `PrepareResources`, `PrepareBindGroups` | `mask.rs`, `prepare.rs` |
 //! | mesh uniforms and light clusters of a reflected view | its own `Core3d`, before its camera's | the engine |
-//! | the mirror pass | `Core3d`, between opaque and transparent | `pass.rs` |
+//! | the mirror pass | `Core3d`, between opaque and transparent | `pass.rs`, `reflection.rs` |
 //!
 //! Every step does nothing while [`ExtractedMirrors`] is empty.
 
 mod extract;
 mod mask;
 mod pass;
+mod pixels;
 mod prepare;
+mod reflection;
 mod shadow;
 mod transmission;
 mod variant;
@@ -41,7 +43,7 @@ pub fn embed_shaders(app: &mut App) {
         return;
     }
     embedded_asset!(app, "mask.wgsl");
-    embedded_asset!(app, "shadow_copy.wgsl");
+    embedded_asset!(app, "shadow.wgsl");
 }
 
 /// Adds every render-world system, in its order.
@@ -53,7 +55,7 @@ pub fn build_render_app(render_app: &mut SubApp) {
         .init_gpu_resource::<mask::SpecializedMasks>()
         .add_systems(
             RenderStartup,
-            (mask::init_mirror_pipelines, shadow::init_shadow_copy),
+            (mask::init_mirror_pipelines, shadow::init_shadow_pipelines),
         )
         .add_systems(ExtractSchedule, extract::extract_mirrors)
         .add_systems(

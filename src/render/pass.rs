@@ -11,78 +11,40 @@
 //! So the picture in a mirror is made in the order in which the camera's own is, one mirror after
 //! the other, and any number of them needs no more than one stencil value a reflection.
 
-use core::ops::Range;
-
 use bevy::{
     camera::{MainPassResolutionOverride, Viewport},
-    core_pipeline::{
-        core_3d::{AlphaMask3d, Opaque3d, Transparent3d},
-        skybox::{SkyboxBindGroup, SkyboxPipelineId},
-    },
     ecs::{prelude::*, system::SystemParam},
-    image::ToExtents,
-    log::error,
-    pbr::{
-        ExtractedDirectionalLight, LightEntity, ScreenSpaceTransmission, Shadow, Transmissive3d,
-        ViewLightEntities, ViewTransmissionTexture,
-    },
     render::{
         camera::ExtractedCamera,
         diagnostic::RecordDiagnostics,
         mesh::{RenderMesh, RenderMeshBufferInfo, allocator::MeshAllocator},
         render_asset::RenderAssets,
-        render_phase::{
-            BinnedRenderPhase, DrawError, SortedRenderPhase, TrackedRenderPass,
-            ViewBinnedRenderPhases, ViewSortedRenderPhases,
-        },
+        render_phase::TrackedRenderPass,
         render_resource::{
-            BindGroup, CachedRenderPipelineId, LoadOp, Operations, PipelineCache,
+            CachedRenderPipelineId, LoadOp, Operations, PipelineCache,
             RenderPassDepthStencilAttachment, RenderPassDescriptor, RenderPipeline, StoreOp,
         },
         renderer::{RenderContext, ViewQuery},
-        view::{ExtractedView, ViewDepthTexture, ViewTarget, ViewUniformOffset},
+        view::{ViewDepthTexture, ViewTarget, ViewUniformOffset},
     },
 };
-
-use glam::{UVec2, Vec2};
+use glam::UVec2;
 
 use super::{
+    pixels::pixel_bounds,
     prepare::{PreparedMirror, PreparedSurface, ViewMirrors},
-    shadow::{MirrorShadowMaps, ShadowCopy, copy_spot_shadows, draw_cascades},
+    reflection::{Reflection, Reflections},
+    shadow::MirrorShadowPasses,
 };
 
-/// The phases of all views, and what else the pass looks up.
+/// What the pass looks up.
 #[derive(SystemParam)]
 pub struct PassResources<'w, 's> {
-    opaque: Res<'w, ViewBinnedRenderPhases<Opaque3d>>,
-    alpha_mask: Res<'w, ViewBinnedRenderPhases<AlphaMask3d>>,
-    transmissive: Res<'w, ViewSortedRenderPhases<Transmissive3d>>,
-    transparent: Res<'w, ViewSortedRenderPhases<Transparent3d>>,
-    shadows: Res<'w, ViewBinnedRenderPhases<Shadow>>,
-    shadow_maps: Res<'w, MirrorShadowMaps>,
-    shadow_copy: Res<'w, ShadowCopy>,
+    reflections: Reflections<'w, 's>,
+    shadows: MirrorShadowPasses<'w, 's>,
     cache: Res<'w, PipelineCache>,
     meshes: Res<'w, RenderAssets<RenderMesh>>,
     allocator: Res<'w, MeshAllocator>,
-    light_views: Query<'w, 's, (&'static ExtractedView, &'static LightEntity)>,
-    lights: Query<'w, 's, &'static ExtractedDirectionalLight>,
-    reflected: Query<
-        'w,
-        's,
-        (
-            &'static ExtractedView,
-            &'static ViewUniformOffset,
-            Option<&'static ViewLightEntities>,
-            (
-                Option<&'static SkyboxPipelineId>,
-                Option<&'static SkyboxBindGroup>,
-            ),
-            (
-                Option<&'static ScreenSpaceTransmission>,
-                Option<&'static ViewTransmissionTexture>,
-            ),
-        ),
-    >,
 }
 
 /// Draws the reflections of one camera's mirrors into its picture.
@@ -123,13 +85,11 @@ pub fn mirror_pass(
         viewport: viewport.as_ref(),
     };
 
-    if mirrors.iter().any(|mirror| mirror.cascades.is_some()) {
-        copy_spot_shadows(
-            &resources.shadow_maps,
-            &resources.shadow_copy,
-            &resources.cache,
-            &mut ctx,
-        );
+    if mirrors
+        .iter()
+        .any(|mirror| mirror.reflection.cascades.is_some())
+    {
+        resources.shadows.copy_spots(&mut ctx);
     }
     resources.draw_cascades(first, world, &mut ctx);
     let mut lit = first.prepared.view;
@@ -139,7 +99,9 @@ pub fn mirror_pass(
         let outer = next.map_or(0, |next| next.prepared.bounce - 1);
         while let Some(mirror) = begun.pop_if(|mirror| mirror.prepared.bounce > outer) {
             let reflection = &mirror.reflection;
-            if reflection.has_late_items() && mirror.cascades.is_some() && lit != reflection.entity
+            if reflection.has_late_items()
+                && mirror.reflection.cascades.is_some()
+                && lit != reflection.entity
             {
                 drop(pass);
                 resources.draw_cascades(mirror, world, &mut ctx);
@@ -158,13 +120,14 @@ pub fn mirror_pass(
             reflection.draw_transparent(&mut pass, world);
             // After the last one nobody asks.
             if next.is_some() || !begun.is_empty() {
-                resources.draw_surfaces(&mut pass, mirror, prepared, |surface| surface.restore);
+                resources
+                    .draw_surfaces(&mut pass, mirror, prepared, |surface| Some(surface.restore));
             }
         }
         let Some(mirror) = next else {
             break;
         };
-        if mirror.cascades.is_some() && lit != mirror.reflection.entity {
+        if mirror.reflection.cascades.is_some() && lit != mirror.reflection.entity {
             drop(pass);
             resources.draw_cascades(mirror, world, &mut ctx);
             lit = mirror.reflection.entity;
@@ -175,7 +138,7 @@ pub fn mirror_pass(
         if outer == 0 {
             pass.set_bind_group(1, &prepared.depth_group, &[]);
         }
-        resources.draw_surfaces(&mut pass, mirror, prepared, |surface| surface.mask);
+        resources.draw_surfaces(&mut pass, mirror, prepared, |surface| Some(surface.mask));
         pass.set_stencil_reference(u32::from(mirror.prepared.bounce));
         pass.set_render_pipeline(clear_pipeline);
         pass.set_blend_constant(prepared.background);
@@ -196,7 +159,7 @@ pub fn mirror_pass(
     if let Some(viewport) = &viewport {
         pass.set_camera_viewport(viewport);
     }
-    for mirror in mirrors.iter().filter(|mirror| mirror.prepared.bounce == 1) {
+    for mirror in &mirrors {
         resources.draw_surfaces(&mut pass, mirror, prepared, |surface| surface.depth);
     }
     drop(pass);
@@ -247,16 +210,6 @@ impl Attachments<'_> {
     }
 }
 
-/// The pixels within device coordinates, and two around them for jitter and rounding.
-fn pixel_bounds((low, high): (Vec2, Vec2), size: UVec2) -> (UVec2, UVec2) {
-    const AROUND: Vec2 = Vec2::splat(2.0);
-    let pixel = |ndc: Vec2| (ndc * Vec2::new(0.5, -0.5) + 0.5) * size.as_vec2();
-    let min = (pixel(Vec2::new(low.x, high.y)) - AROUND).floor();
-    let max = (pixel(Vec2::new(high.x, low.y)) + AROUND).ceil();
-    // Converting to unsigned numbers cuts off at 0.
-    (min.as_uvec2().min(size), max.as_uvec2().min(size))
-}
-
 fn load_or_clear<V>(clear: bool, value: V) -> Operations<V> {
     Operations {
         load: if clear {
@@ -274,8 +227,6 @@ struct Mirror<'a> {
     /// Of what sees the surfaces.
     viewer_offset: u32,
     reflection: Reflection<'a>,
-    /// Directional shadows to draw before the reflection.
-    cascades: Option<&'a ViewLightEntities>,
 }
 
 /// The surface of a mirror, all of whose pipelines are there.
@@ -284,7 +235,7 @@ struct Surface<'a> {
     mesh: &'a RenderMesh,
     mask: &'a RenderPipeline,
     restore: &'a RenderPipeline,
-    depth: &'a RenderPipeline,
+    depth: Option<&'a RenderPipeline>,
 }
 
 impl PassResources<'_, '_> {
@@ -324,14 +275,12 @@ impl PassResources<'_, '_> {
         let viewer_offset = if prepared.bounce == 1 {
             camera.offset
         } else {
-            self.reflected.get(prepared.viewer).ok()?.1.offset
+            self.reflections.get(prepared.viewer)?.view_offset
         };
-        let (_, _, cascades, ..) = self.reflected.get(prepared.view).ok()?;
         Some(Mirror {
             prepared,
             viewer_offset,
-            reflection: self.reflection(prepared.view)?,
-            cascades: cascades.filter(|cascades| !cascades.lights.is_empty()),
+            reflection: self.reflections.get(prepared.view)?,
         })
     }
 
@@ -348,25 +297,30 @@ impl PassResources<'_, '_> {
                     mesh: self.meshes.get(surface.mesh)?,
                     mask: self.pipeline(surface.mask_pipeline)?,
                     restore: self.pipeline(surface.restore_pipeline)?,
-                    depth: self.pipeline(surface.depth_pipeline)?,
+                    depth: match surface.depth_pipeline {
+                        Some(id) => Some(self.pipeline(id)?),
+                        None => None,
+                    },
                 })
             })
     }
 
-    /// Draws all surfaces of a mirror, as what sees it does.
+    /// Draws those surfaces of a mirror that have the pipeline, as what sees it does.
     fn draw_surfaces<'a>(
         &'a self,
         pass: &mut TrackedRenderPass<'a>,
         mirror: &Mirror,
         prepared: &'a ViewMirrors,
-        pipeline: impl Fn(&Surface<'a>) -> &'a RenderPipeline,
+        pipeline: impl Fn(&Surface<'a>) -> Option<&'a RenderPipeline>,
     ) {
         for surface in self.surfaces(mirror.prepared, prepared) {
             let id = &surface.prepared.mesh;
-            let Some(vertices) = self.allocator.mesh_vertex_slice(id) else {
+            let (Some(pipeline), Some(vertices)) =
+                (pipeline(&surface), self.allocator.mesh_vertex_slice(id))
+            else {
                 continue;
             };
-            pass.set_render_pipeline(pipeline(&surface));
+            pass.set_render_pipeline(pipeline);
             pass.set_bind_group(
                 0,
                 &prepared.surface_group,
@@ -395,141 +349,9 @@ impl PassResources<'_, '_> {
 
     /// Draws what a reflection reads of its cascades into the array that all reflections share.
     fn draw_cascades(&self, mirror: &Mirror, world: &World, ctx: &mut RenderContext) {
-        let Some(cascades) = mirror.cascades else {
-            return;
-        };
-        draw_cascades(
-            &self.shadow_maps,
-            cascades,
-            mirror.prepared.depths,
-            &self.light_views,
-            &self.lights,
-            &self.shadows,
-            world,
-            ctx,
-        );
-    }
-
-    /// The phases of a reflected view; `None` if it has gone.
-    fn reflection(&self, entity: Entity) -> Option<Reflection<'_>> {
-        let (view, offset, _, skybox, transmission) = self.reflected.get(entity).ok()?;
-        let key = &view.retained_view_entity;
-        let (settings, transmission) = transmission;
-        let (pipeline, group) = skybox;
-        let skybox = match (pipeline, group) {
-            (Some(pipeline), Some(SkyboxBindGroup(group))) => {
-                self.pipeline(pipeline.0).map(|pipeline| Skybox {
-                    pipeline,
-                    group: &group.0,
-                    offsets: [offset.offset, group.1],
-                })
-            }
-            _ => None,
-        };
-        Some(Reflection {
-            entity,
-            opaque: self.opaque.get(key),
-            alpha_mask: self.alpha_mask.get(key),
-            skybox,
-            transmissive: self.transmissive.get(key),
-            transmission_steps: settings.map_or(0, |settings| settings.steps),
-            transmission,
-            transparent: self.transparent.get(key),
-        })
-    }
-}
-
-/// Everything that a reflected view sees, in the order of the engine's own passes.
-struct Reflection<'a> {
-    entity: Entity,
-    opaque: Option<&'a BinnedRenderPhase<Opaque3d>>,
-    alpha_mask: Option<&'a BinnedRenderPhase<AlphaMask3d>>,
-    skybox: Option<Skybox<'a>>,
-    transmissive: Option<&'a SortedRenderPhase<Transmissive3d>>,
-    transmission_steps: usize,
-    transmission: Option<&'a ViewTransmissionTexture>,
-    transparent: Option<&'a SortedRenderPhase<Transparent3d>>,
-}
-
-struct Skybox<'a> {
-    pipeline: &'a RenderPipeline,
-    group: &'a BindGroup,
-    offsets: [u32; 2],
-}
-
-impl<'a> Reflection<'a> {
-    fn draw_opaque<'w>(&self, pass: &mut TrackedRenderPass<'w>, world: &'w World)
-    where
-        'a: 'w,
-    {
-        if let Some(phase) = self.opaque {
-            report(phase.render(pass, world, self.entity));
+        if let Some(cascades) = mirror.reflection.cascades {
+            let read = mirror.prepared.cascades.clone();
+            self.shadows.draw_cascades(cascades, read, world, ctx);
         }
-        if let Some(phase) = self.alpha_mask {
-            report(phase.render(pass, world, self.entity));
-        }
-        if let Some(skybox) = &self.skybox {
-            pass.set_render_pipeline(skybox.pipeline);
-            pass.set_bind_group(0, skybox.group, &skybox.offsets);
-            pass.draw(0..3, 0..1);
-        }
-    }
-
-    /// Whether anything is drawn after the mirrors that are seen in it.
-    fn has_late_items(&self) -> bool {
-        self.transmissive
-            .is_some_and(|phase| !phase.items.is_empty())
-            || self
-                .transparent
-                .is_some_and(|phase| !phase.items.is_empty())
-    }
-
-    /// The transmissive items, far ones first, in as many steps as the camera takes: each step
-    /// refracts what the ones before have drawn. One step, without a texture, if it takes none.
-    fn transmissive_steps(&self) -> impl Iterator<Item = Range<usize>> + use<> {
-        let count = self.transmissive.map_or(0, |phase| phase.items.len());
-        let steps = self.transmission_steps.clamp(1, count.max(1));
-        (0..steps)
-            .map(move |step| step * count / steps..(step + 1) * count / steps)
-            .filter(|items| !items.is_empty())
-    }
-
-    /// Lets the next transmissive items see the picture as it is now.
-    fn copy_for_transmission(
-        &self,
-        target: &ViewTarget,
-        camera: &ExtractedCamera,
-        ctx: &mut RenderContext,
-    ) {
-        if let (Some(transmission), Some(size)) = (self.transmission, camera.physical_target_size) {
-            ctx.command_encoder().copy_texture_to_texture(
-                target.main_texture().as_image_copy(),
-                transmission.texture.as_image_copy(),
-                size.to_extents(),
-            );
-        }
-    }
-
-    fn draw_transmissive<'w>(
-        &self,
-        pass: &mut TrackedRenderPass<'w>,
-        world: &'w World,
-        items: Range<usize>,
-    ) {
-        if let Some(phase) = self.transmissive {
-            report(phase.render_range(pass, world, self.entity, items));
-        }
-    }
-
-    fn draw_transparent<'w>(&self, pass: &mut TrackedRenderPass<'w>, world: &'w World) {
-        if let Some(phase) = self.transparent {
-            report(phase.render(pass, world, self.entity));
-        }
-    }
-}
-
-fn report(drawn: Result<(), DrawError>) {
-    if let Err(err) = drawn {
-        error!("a reflected view's phase: {err:?}");
     }
 }

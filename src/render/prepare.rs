@@ -29,7 +29,6 @@ use super::{
     mask::{MirrorPipelines, PassKey, SpecializedMasks, SurfaceDraw},
     variant::StencilVariants,
 };
-use crate::view::DepthRange;
 
 /// Of one mirror's surface. The same struct stands in `mask.wgsl`.
 #[derive(ShaderType)]
@@ -69,8 +68,8 @@ pub struct PreparedMirror {
     pub surfaces: Range<usize>,
     /// The lowest and the highest device coordinates of what is seen of the surfaces.
     pub ndc_bounds: (Vec2, Vec2),
-    /// Which shadow cascades the reflection reads.
-    pub depths: DepthRange,
+    /// Which of [`ExtractedMirrors::cascades`] the reflection reads.
+    pub cascades: Range<usize>,
 }
 
 /// The surface of a mirror.
@@ -78,8 +77,11 @@ pub struct PreparedSurface {
     pub mesh: AssetId<Mesh>,
     pub uniform_offset: u32,
     pub mask_pipeline: CachedRenderPipelineId,
+    /// Also of the last one, after which nobody asks: it must not wait for this pipeline, and be
+    /// gone for a frame, when another mirror comes into view.
     pub restore_pipeline: CachedRenderPipelineId,
-    pub depth_pipeline: CachedRenderPipelineId,
+    /// For the camera's own depth; only of mirrors that it sees itself.
+    pub depth_pipeline: Option<CachedRenderPipelineId>,
 }
 
 /// Takes [`ViewMirrors`] off cameras that show none any more.
@@ -173,24 +175,25 @@ pub fn prepare_mirrors(
                     continue;
                 };
                 let mut pipeline = |draw| masks.surface(&cache, &pipelines, draw, pass, mesh);
-                let mask = if mirror.bounce == 1 {
+                let is_outer = mirror.bounce == 1;
+                let mask = if is_outer {
                     SurfaceDraw::Mask
                 } else {
                     SurfaceDraw::InnerMask
                 };
-                if let (Some(mask_pipeline), Some(restore_pipeline), Some(depth_pipeline)) = (
-                    pipeline(mask),
-                    pipeline(SurfaceDraw::Restore),
-                    pipeline(SurfaceDraw::Depth),
-                ) {
-                    surfaces.push(PreparedSurface {
-                        mesh: id,
-                        uniform_offset: offsets[index],
-                        mask_pipeline,
-                        restore_pipeline,
-                        depth_pipeline,
-                    });
-                }
+                // Of a mesh without positions there are none.
+                let (Some(mask_pipeline), Some(restore_pipeline)) =
+                    (pipeline(mask), pipeline(SurfaceDraw::Restore))
+                else {
+                    continue;
+                };
+                surfaces.push(PreparedSurface {
+                    mesh: id,
+                    uniform_offset: offsets[index],
+                    mask_pipeline,
+                    restore_pipeline,
+                    depth_pipeline: is_outer.then(|| pipeline(SurfaceDraw::Depth)).flatten(),
+                });
             }
             first..surfaces.len()
         };
@@ -202,7 +205,7 @@ pub fn prepare_mirrors(
                 bounce: mirror.bounce,
                 surfaces: prepare_surfaces(mirror),
                 ndc_bounds: mirror.ndc_bounds,
-                depths: mirror.depths,
+                cascades: mirror.cascades.clone(),
             })
             .collect();
         commands.entity(entity).insert(ViewMirrors {

@@ -6,26 +6,29 @@
 //! of the same shape: one for all of them, since the pass draws a view's cascades just before its
 //! picture. Spot lights keep their maps in the later layers of the shared texture; those layers
 //! are copied, not drawn again. Point lights have a texture to themselves.
+//!
+//! Of a cascade only what the reflection reads is drawn. The rest of a layer may hold what another
+//! view left there.
 
-use core::sync::atomic::{AtomicBool, Ordering};
+use core::{
+    ops::Range,
+    sync::atomic::{AtomicBool, Ordering},
+};
 
 use bevy::{
     asset::{AssetServer, Handle, load_embedded_asset},
     core_pipeline::core_3d::CORE_3D_DEPTH_FORMAT,
-    ecs::prelude::*,
+    ecs::{prelude::*, system::SystemParam},
     log::error,
-    pbr::{
-        ExtractedDirectionalLight, LightEntity, Shadow, ShadowView, ViewLightEntities,
-        ViewShadowBindings,
-    },
+    pbr::{LightEntity, Shadow, ShadowView, ViewLightEntities, ViewShadowBindings},
     render::{
         render_phase::ViewBinnedRenderPhases,
         render_resource::{
             BindGroup, BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries,
             CachedRenderPipelineId, CompareFunction, DepthStencilState, FragmentState, LoadOp,
             Operations, PipelineCache, RenderPassDepthStencilAttachment, RenderPassDescriptor,
-            RenderPipelineDescriptor, ShaderStages, StoreOp, Texture, TextureDescriptor,
-            TextureDimension, TextureUsages, TextureView, TextureViewDescriptor,
+            RenderPipeline, RenderPipelineDescriptor, ShaderStages, StoreOp, Texture,
+            TextureDescriptor, TextureDimension, TextureUsages, TextureView, TextureViewDescriptor,
             TextureViewDimension, VertexState, binding_types::texture_depth_2d,
         },
         renderer::{RenderContext, RenderDevice},
@@ -35,67 +38,90 @@ use bevy::{
     shader::Shader,
     utils::default,
 };
+use glam::UVec2;
 
-use super::extract::ExtractedMirrors;
-use crate::view::{DepthRange, cascade_is_sampled};
+use super::{
+    extract::{ExtractedCascade, ExtractedMirrors},
+    pixels::pixel_bounds,
+};
 
-/// The pipeline that copies one layer.
+/// The pipelines that fill a layer, or a part of it, with something other than casters.
 #[derive(Resource)]
-pub struct ShadowCopy {
+pub struct ShadowPipelines {
     layout: BindGroupLayoutDescriptor,
     shader: Handle<Shader>,
-    pipeline: Option<CachedRenderPipelineId>,
+    /// Copies a layer.
+    copy: Option<CachedRenderPipelineId>,
+    /// Clears what is in the scissor.
+    clear: Option<CachedRenderPipelineId>,
 }
 
 /// The layers of the reflected views' own array; empty in a frame without directional shadows.
 #[derive(Resource, Default)]
 pub struct MirrorShadowMaps {
     layers: Vec<TextureView>,
+    /// Of a layer, in texels.
+    size: u32,
     /// Layers to copy from the shared texture, and where to.
     copies: Vec<(BindGroup, TextureView)>,
     copied: AtomicBool,
 }
 
-pub fn init_shadow_copy(mut commands: Commands, assets: Res<AssetServer>) {
+pub fn init_shadow_pipelines(mut commands: Commands, assets: Res<AssetServer>) {
     let layout = BindGroupLayoutDescriptor::new(
         "planar_mirror_shadow_copy_layout",
         &BindGroupLayoutEntries::single(ShaderStages::FRAGMENT, texture_depth_2d()),
     );
-    commands.insert_resource(ShadowCopy {
+    commands.insert_resource(ShadowPipelines {
         layout,
-        shader: load_embedded_asset!(assets.as_ref(), "shadow_copy.wgsl"),
-        pipeline: None,
+        shader: load_embedded_asset!(assets.as_ref(), "shadow.wgsl"),
+        copy: None,
+        clear: None,
     });
     // Also after a lost device, of which nothing may be left.
     commands.insert_resource(MirrorShadowMaps::default());
 }
 
-impl ShadowCopy {
-    /// Asks for the pipeline when there is something to copy.
-    fn queue(&mut self, cache: &PipelineCache) {
+impl ShadowPipelines {
+    /// Asks for the pipeline that clears when there are cascades.
+    fn queue_clear(&mut self, cache: &PipelineCache) {
+        let shader = &self.shader;
+        self.clear
+            .get_or_insert_with(|| cache.queue_render_pipeline(fill("clear", shader)));
+    }
+
+    /// Asks for the pipeline that copies when there is something to copy.
+    fn queue_copy(&mut self, cache: &PipelineCache) {
         let (layout, shader) = (&self.layout, &self.shader);
-        self.pipeline.get_or_insert_with(|| {
+        self.copy.get_or_insert_with(|| {
             cache.queue_render_pipeline(RenderPipelineDescriptor {
-                label: Some("planar_mirror_shadow_copy".into()),
                 layout: vec![layout.clone()],
-                vertex: VertexState {
-                    shader: shader.clone(),
-                    ..default()
-                },
                 fragment: Some(FragmentState {
                     shader: shader.clone(),
                     ..default()
                 }),
-                depth_stencil: Some(DepthStencilState {
-                    format: CORE_3D_DEPTH_FORMAT,
-                    depth_write_enabled: Some(true),
-                    depth_compare: Some(CompareFunction::Always),
-                    stencil: default(),
-                    bias: default(),
-                }),
-                ..default()
+                ..fill("copy", shader)
             })
         });
+    }
+}
+
+/// A triangle over the whole layer, at the far side.
+fn fill(what: &str, shader: &Handle<Shader>) -> RenderPipelineDescriptor {
+    RenderPipelineDescriptor {
+        label: Some(format!("planar_mirror_shadow_{what}").into()),
+        vertex: VertexState {
+            shader: shader.clone(),
+            ..default()
+        },
+        depth_stencil: Some(DepthStencilState {
+            format: CORE_3D_DEPTH_FORMAT,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(CompareFunction::Always),
+            stencil: default(),
+            bias: default(),
+        }),
+        ..default()
     }
 }
 
@@ -108,7 +134,7 @@ pub fn prepare_mirror_shadows(
     lights: Query<&LightEntity>,
     mut maps: ResMut<MirrorShadowMaps>,
     mut textures: ResMut<TextureCache>,
-    mut copy: ResMut<ShadowCopy>,
+    mut pipelines: ResMut<ShadowPipelines>,
     cache: Res<PipelineCache>,
     device: Res<RenderDevice>,
 ) {
@@ -152,6 +178,7 @@ pub fn prepare_mirror_shadows(
                 .filter(|light| matches!(light, LightEntity::Spot { .. }))
                 .count();
             let layer_count = shared.depth_or_array_layers() as usize;
+            maps.size = shared.width();
             maps.layers = (0..cascades.min(layer_count))
                 .map(|index| layer(&texture, index))
                 .collect();
@@ -159,7 +186,7 @@ pub fn prepare_mirror_shadows(
                 .map(|index| {
                     let group = device.create_bind_group(
                         "planar_mirror_shadow_copy_group",
-                        &cache.get_bind_group_layout(&copy.layout),
+                        &cache.get_bind_group_layout(&pipelines.layout),
                         &BindGroupEntries::single(&layer(shared, index)),
                     );
                     (group, layer(&texture, index))
@@ -175,8 +202,11 @@ pub fn prepare_mirror_shadows(
         binding.directional_light_depth_texture = texture.clone();
         binding.directional_light_depth_texture_view = view.clone();
     }
+    if !maps.layers.is_empty() {
+        pipelines.queue_clear(&cache);
+    }
     if !maps.copies.is_empty() {
-        copy.queue(&cache);
+        pipelines.queue_copy(&cache);
     }
 }
 
@@ -190,73 +220,109 @@ fn layer(texture: &Texture, index: usize) -> TextureView {
     })
 }
 
-/// Copies the spot lights' maps, once a frame.
-pub fn copy_spot_shadows(
-    maps: &MirrorShadowMaps,
-    copy: &ShadowCopy,
-    cache: &PipelineCache,
-    ctx: &mut RenderContext,
-) {
-    if maps.copies.is_empty() {
-        return;
+/// What it takes to draw the shadows of reflected views.
+#[derive(SystemParam)]
+pub struct MirrorShadowPasses<'w, 's> {
+    maps: Res<'w, MirrorShadowMaps>,
+    pipelines: Res<'w, ShadowPipelines>,
+    cache: Res<'w, PipelineCache>,
+    mirrors: Res<'w, ExtractedMirrors>,
+    phases: Res<'w, ViewBinnedRenderPhases<Shadow>>,
+    views: Query<'w, 's, (&'static ExtractedView, &'static LightEntity)>,
+}
+
+impl MirrorShadowPasses<'_, '_> {
+    /// Copies the spot lights' maps, once a frame.
+    pub fn copy_spots(&self, ctx: &mut RenderContext) {
+        if self.maps.copies.is_empty() {
+            return;
+        }
+        let Some(pipeline) = self.pipeline(self.pipelines.copy) else {
+            return;
+        };
+        if self.maps.copied.swap(true, Ordering::Relaxed) {
+            return;
+        }
+        for (source, target) in &self.maps.copies {
+            let mut pass = ctx.begin_tracked_render_pass(depth_pass(target, LoadOp::Clear(0.0)));
+            pass.set_render_pipeline(pipeline);
+            pass.set_bind_group(0, source, &[]);
+            pass.draw(0..3, 0..1);
+        }
     }
-    let Some(pipeline) = copy.pipeline.and_then(|id| cache.get_render_pipeline(id)) else {
-        return;
-    };
-    if maps.copied.swap(true, Ordering::Relaxed) {
-        return;
+
+    /// Draws the cascades of one reflected view, those of which it reads something, that is which
+    /// of [`ExtractedMirrors::cascades`].
+    pub fn draw_cascades(
+        &self,
+        cascades: &ViewLightEntities,
+        read: Range<usize>,
+        world: &World,
+        ctx: &mut RenderContext,
+    ) {
+        let read = &self.mirrors.cascades[read];
+        let clear = self.pipeline(self.pipelines.clear);
+        for (&light_view, target) in cascades.lights.iter().zip(&self.maps.layers) {
+            let Ok((view, light)) = self.views.get(light_view) else {
+                continue;
+            };
+            let (Some(read), Some(phase)) = (
+                read.iter().find(|read| read.is_of(light)),
+                self.phases.get(&view.retained_view_entity),
+            ) else {
+                continue;
+            };
+            let layer = UVec2::splat(self.maps.size);
+            let (low, high) = match read.ndc_bounds {
+                Some(bounds) => pixel_bounds(bounds, layer),
+                None => (UVec2::ZERO, layer),
+            };
+            let size = high.saturating_sub(low);
+            if size.min_element() == 0 {
+                continue;
+            }
+            // To clear a layer is cheap for a GPU, and to keep it may mean to read it. Worth it for
+            // a small part.
+            let is_small = size.element_product() <= layer.element_product() / 4;
+            let clear = clear.filter(|_| is_small);
+            let load = if clear.is_some() {
+                LoadOp::Load
+            } else {
+                LoadOp::Clear(0.0)
+            };
+            let mut pass = ctx.begin_tracked_render_pass(depth_pass(target, load));
+            pass.set_scissor_rect(low.x, low.y, size.x, size.y);
+            if let Some(clear) = clear {
+                pass.set_render_pipeline(clear);
+                pass.draw(0..3, 0..1);
+            }
+            if let Err(err) = phase.render(&mut pass, world, light_view) {
+                error!("shadows of a reflected view: {err:?}");
+            }
+        }
     }
-    for (source, target) in &maps.copies {
-        let mut pass = ctx.begin_tracked_render_pass(depth_pass(target));
-        pass.set_render_pipeline(pipeline);
-        pass.set_bind_group(0, source, &[]);
-        pass.draw(0..3, 0..1);
+
+    fn pipeline(&self, id: Option<CachedRenderPipelineId>) -> Option<&RenderPipeline> {
+        self.cache.get_render_pipeline(id?)
     }
 }
 
-/// Draws the cascades of one reflected view that something at the `seen` depths reads.
-pub fn draw_cascades(
-    maps: &MirrorShadowMaps,
-    cascades: &ViewLightEntities,
-    seen: DepthRange,
-    views: &Query<(&ExtractedView, &LightEntity)>,
-    lights: &Query<&ExtractedDirectionalLight>,
-    phases: &ViewBinnedRenderPhases<Shadow>,
-    world: &World,
-    ctx: &mut RenderContext,
-) {
-    for (&light_view, target) in cascades.lights.iter().zip(&maps.layers) {
-        let Ok((view, light)) = views.get(light_view) else {
-            continue;
-        };
-        if let LightEntity::Directional {
-            light_entity,
-            cascade_index,
-        } = light
-            && let Ok(light) = lights.get(*light_entity)
-            && !cascade_is_sampled(&light.cascade_shadow_config, *cascade_index, seen)
-        {
-            continue;
-        }
-        let Some(phase) = phases.get(&view.retained_view_entity) else {
-            continue;
-        };
-        let mut pass = ctx.begin_tracked_render_pass(depth_pass(target));
-        if let Err(err) = phase.render(&mut pass, world, light_view) {
-            error!("shadows of a reflected view: {err:?}");
-        }
+impl ExtractedCascade {
+    fn is_of(&self, light: &LightEntity) -> bool {
+        matches!(light, LightEntity::Directional { light_entity, cascade_index }
+            if (*light_entity, *cascade_index) == (self.light, self.index))
     }
 }
 
-/// A pass that clears one layer and draws depth into it.
-fn depth_pass(target: &TextureView) -> RenderPassDescriptor<'_> {
+/// A pass that draws depth into one layer.
+fn depth_pass(target: &TextureView, load: LoadOp<f32>) -> RenderPassDescriptor<'_> {
     RenderPassDescriptor {
         label: Some("planar_mirror_shadow_pass"),
         color_attachments: &[],
         depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
             view: target,
             depth_ops: Some(Operations {
-                load: LoadOp::Clear(0.0),
+                load,
                 store: StoreOp::Store,
             }),
             stencil_ops: None,

@@ -12,7 +12,10 @@ use bevy::{
 };
 use glam::DAffine3;
 
-use super::{PlannedView, ReflectedView, ReflectedViews, copy::copy_camera_components};
+use super::{
+    PlannedView, ReflectedView, ReflectedViews, clusters::fit_clusters,
+    copy::copy_camera_components,
+};
 use crate::math::{Plane, narrowed_sides, reflect_vector};
 
 /// So many views Bevy tells what is in its `VisibilityRange`, and it does not ask us which.
@@ -92,6 +95,7 @@ fn entity_of(
         views.entities.insert((viewer, *mirror), view);
     }
     copy_camera_components(world, camera, view, known.is_none());
+    fit_clusters(world, camera, view, planned.pixels);
     Some((viewer, view))
 }
 

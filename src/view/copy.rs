@@ -10,7 +10,7 @@ use bevy::{
         tonemapping::{DebandDither, Tonemapping},
     },
     ecs::{component::Mutable, prelude::*},
-    light::{AmbientLight, EnvironmentMapLight, ShadowFilteringMethod, cluster::ClusterConfig},
+    light::{AmbientLight, EnvironmentMapLight, ShadowFilteringMethod},
     pbr::{DistanceFog, ScreenSpaceTransmission},
     render::{
         camera::{MipBias, TemporalJitter},
@@ -23,7 +23,8 @@ use super::apply::set;
 /// Brings the view's components in line with the camera's, of those that matter to its picture.
 ///
 /// Not copied is what works on the finished picture (bloom, depth of field, sharpening, ...):
-/// it sees the reflection as part of the camera's own picture.
+/// it sees the reflection as part of the camera's own picture. Nor are the light clusters, see
+/// [`fit_clusters`](super::clusters::fit_clusters).
 ///
 /// A `fresh` view has default components that nobody chose: everything is copied.
 pub fn copy_camera_components(world: &mut World, camera: Entity, view: Entity, fresh: bool) {
@@ -33,7 +34,6 @@ pub fn copy_camera_components(world: &mut World, camera: Entity, view: Entity, f
         fresh,
     };
     pair.copy::<AmbientLight>(world);
-    pair.copy::<ClusterConfig>(world);
     pair.copy::<ColorGrading>(world);
     pair.copy::<CompositingSpace>(world);
     pair.copy::<DebandDither>(world);

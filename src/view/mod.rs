@@ -10,7 +10,7 @@
 //! |---|---|
 //! | fit a plane to each mirror's mesh, and carry it into the world | `fit.rs` |
 //! | decide which camera sees which mirror | `decide.rs`, `sight.rs` |
-//! | bring the entities in line with that | `apply.rs`, `copy.rs` |
+//! | bring the entities in line with that | `apply.rs`, `copy.rs`, `clusters.rs` |
 //! | after visibility: drop what is behind, choose the projection | `clip.rs` |
 //! | leave out shadows that fall on nothing visible | `shadow.rs` |
 //! | write [`MirrorStatus`](crate::MirrorStatus) | `report.rs` |
@@ -21,6 +21,7 @@
 
 mod apply;
 mod clip;
+mod clusters;
 mod copy;
 mod decide;
 mod fit;
@@ -41,7 +42,7 @@ pub use clip::clip_reflected_views;
 pub use decide::decide_reflected_views;
 pub use fit::{MirrorPlace, place_mirrors};
 pub use report::{report_figures, report_status};
-pub use shadow::{cascade_is_sampled, narrow_cascades};
+pub use shadow::{SeenCascade, narrow_cascades};
 
 use crate::{
     math::{Plane, ReflectedViewPlan},
@@ -73,6 +74,8 @@ pub struct ReflectedViews {
     pub planned: Vec<PlannedView>,
     /// The mirrors of all planned views.
     pub surfaces: Vec<Entity>,
+    /// The shadow cascades that the planned views read, grouped by view.
+    pub cascades: Vec<SeenCascade>,
     /// (what sees it, mirror) -> its reflected view, which it may share with others.
     pub entities: HashMap<(Entity, Entity), Entity>,
     /// All entities of reflected views.

@@ -11,23 +11,37 @@ use bevy::{
         primitives::{CascadesFrusta, Frustum},
     },
     ecs::prelude::*,
-    light::{CascadeShadowConfig, Cascades, ShadowFilteringMethod, cascade::Cascade},
+    light::{
+        CascadeShadowConfig, Cascades, DirectionalLight, ShadowFilteringMethod, cascade::Cascade,
+    },
     math::primitives::HalfSpace,
+    reflect::structs::GetField,
 };
-use glam::{DMat4, DVec2, DVec3, DVec4};
+use glam::{DMat4, DVec2, DVec3, DVec4, Vec2};
 
 use super::{DepthRange, PlannedView, ReflectedViews};
 use crate::{math::BaseProjection, mirror::MirrorShadows};
 
-/// How far beside a point its shadow may be looked up, in texels: the offset along the normal and
-/// the widest fixed filter, twice over.
-const FILTER_TEXELS: f64 = 8.0;
+/// How far beside a point the widest fixed filter looks its shadow up, in texels, and two more.
+const FILTER_TEXELS: f64 = 5.0;
+
+/// A cascade that something seen in a reflected view reads.
+pub struct SeenCascade {
+    /// Which of [`ReflectedViews::planned`].
+    pub view: usize,
+    pub light: Entity,
+    /// Which of the light's cascades.
+    pub index: usize,
+    /// The lowest and the highest device coordinates of what is read of its map; `None` if that is
+    /// not known.
+    pub ndc_bounds: Option<(Vec2, Vec2)>,
+}
 
 /// Whether anything at these view depths reads cascade `index`.
 ///
 /// A point reads the first cascade whose far bound it lies before and, from where the next one
 /// begins to overlap, that one as well.
-pub fn cascade_is_sampled(config: &CascadeShadowConfig, index: usize, seen: DepthRange) -> bool {
+fn cascade_is_sampled(config: &CascadeShadowConfig, index: usize, seen: DepthRange) -> bool {
     config.bounds.get(index).is_some_and(|&far| {
         seen.near <= far && seen.far >= cascade_near(config, index).unwrap_or(f32::NEG_INFINITY)
     })
@@ -39,40 +53,74 @@ fn cascade_near(config: &CascadeShadowConfig, index: usize) -> Option<f32> {
     Some((1.0 - config.overlap_proportion) * before)
 }
 
-/// Narrows the frusta by which casters are found for the cascades of reflected views.
+/// Finds out which cascades of reflected views are read, and narrows the frusta by which their
+/// casters are found.
 pub fn narrow_cascades(
-    views: Res<ReflectedViews>,
+    mut views: ResMut<ReflectedViews>,
     cameras: Query<(&Camera, Option<&ShadowFilteringMethod>)>,
-    mut lights: Query<(&CascadeShadowConfig, &Cascades, &mut CascadesFrusta)>,
+    mut lights: Query<(
+        Entity,
+        &DirectionalLight,
+        &CascadeShadowConfig,
+        &Cascades,
+        &mut CascadesFrusta,
+    )>,
 ) {
-    for planned in &views.planned {
+    let ReflectedViews {
+        planned, cascades, ..
+    } = &mut *views;
+    cascades.clear();
+    for (index_of_view, planned) in planned.iter().enumerate() {
         let Some(view) = planned.entity else {
             continue;
         };
         let Ok((camera, filter)) = cameras.get(view) else {
             continue;
         };
-        // How far the temporal filter reaches depends on the size of the light.
-        let filter_is_narrow = !matches!(filter, Some(ShadowFilteringMethod::Temporal));
-        for (config, cascades, mut frusta) in &mut lights {
-            let (Some(cascades), Some(frusta)) =
-                (cascades.cascades.get(&view), frusta.frusta.get_mut(&view))
+        for (entity, light, config, of_light, mut frusta) in &mut lights {
+            let (Some(of_view), Some(frusta)) =
+                (of_light.cascades.get(&view), frusta.frusta.get_mut(&view))
             else {
                 continue;
             };
-            for (index, (cascade, frustum)) in cascades.iter().zip(frusta).enumerate() {
-                if planned.shadows == MirrorShadows::Off
-                    || !cascade_is_sampled(config, index, planned.depths)
-                {
+            let reach = reach_texels(light, filter);
+            for (index, (cascade, frustum)) in of_view.iter().zip(frusta).enumerate() {
+                if !cascade_is_sampled(config, index, planned.depths) {
                     hold_nothing(frustum);
-                } else if filter_is_narrow
-                    && let Some(seen) = seen_corners(planned, camera, config, index)
-                {
-                    narrow(frustum, cascade, &seen);
+                    continue;
                 }
+                let seen = reach
+                    .and_then(|reach| Some((seen_corners(planned, camera, config, index)?, reach)));
+                if planned.shadows == MirrorShadows::Off {
+                    hold_nothing(frustum);
+                } else if let Some((corners, reach)) = &seen {
+                    narrow(frustum, cascade, corners, *reach);
+                }
+                cascades.push(SeenCascade {
+                    view: index_of_view,
+                    light: entity,
+                    index,
+                    ndc_bounds: seen.map(|(corners, reach)| map_bounds(cascade, &corners, reach)),
+                });
             }
         }
     }
+}
+
+/// How far beside a point its shadow may be looked up, in texels; `None` if that depends on more
+/// than the texels.
+fn reach_texels(light: &DirectionalLight, filter: Option<&ShadowFilteringMethod>) -> Option<f64> {
+    // How far these reach depends on the size of the light. The field is there only with a feature
+    // of the engine, which is not for this crate to turn on.
+    let is_soft = light
+        .get_field::<Option<f32>>("soft_shadow_size")
+        .is_some_and(Option::is_some);
+    if is_soft || matches!(filter, Some(ShadowFilteringMethod::Temporal)) {
+        return None;
+    }
+    // The engine moves the point along the normal by so many texels, times the square root of 2.
+    let offset = core::f64::consts::SQRT_2 * f64::from(light.shadow_normal_bias.abs());
+    Some(FILTER_TEXELS + offset).filter(|reach| reach.is_finite())
 }
 
 /// The corners, in the world, of what one cascade is sampled for.
@@ -118,10 +166,11 @@ fn at_depth(view_from_clip: &DMat4, ndc: DVec2, depth: f64) -> DVec3 {
     near + (beyond - near) * ((-depth - near.z) / (beyond.z - near.z))
 }
 
-/// Leaves the frustum what lies between the light and the corners.
-fn narrow(frustum: &mut Frustum, cascade: &Cascade, corners: &[DVec3; 8]) {
+/// Leaves the frustum what lies between the light and the corners, and as far beside as shadows
+/// reach.
+fn narrow(frustum: &mut Frustum, cascade: &Cascade, corners: &[DVec3; 8], reach_texels: f64) {
     let world_from_cascade = cascade.world_from_cascade.as_dmat4();
-    let guard = FILTER_TEXELS * f64::from(cascade.texel_size);
+    let guard = reach_texels * f64::from(cascade.texel_size);
     let sides = [world_from_cascade.x_axis, world_from_cascade.y_axis]
         .map(DVec4::truncate)
         .into_iter()
@@ -134,6 +183,21 @@ fn narrow(frustum: &mut Frustum, cascade: &Cascade, corners: &[DVec3; 8]) {
         let d = (guard - least).min(f64::from(half_space.d()));
         *half_space = HalfSpace::new(inwards.extend(d).as_vec4());
     }
+}
+
+/// The device coordinates of the corners in the cascade's map, and as far around as shadows reach.
+fn map_bounds(cascade: &Cascade, corners: &[DVec3; 8], reach_texels: f64) -> (Vec2, Vec2) {
+    let clip_from_world = cascade.clip_from_world.as_dmat4();
+    let [x, y] = [0, 1].map(|row| clip_from_world.row(row).truncate().length());
+    let guard = DVec2::new(x, y) * reach_texels * f64::from(cascade.texel_size);
+    let (low, high) = corners
+        .iter()
+        .map(|corner| clip_from_world.transform_point3(*corner).truncate())
+        .fold(
+            (DVec2::INFINITY, DVec2::NEG_INFINITY),
+            |(low, high), place| (low.min(place), high.max(place)),
+        );
+    ((low - guard).as_vec2(), (high + guard).as_vec2())
 }
 
 /// A half-space beyond every object.

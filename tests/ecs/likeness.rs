@@ -4,11 +4,14 @@ use std::collections::HashSet;
 
 use bevy::{
     camera::{Exposure, RenderTarget, SubCameraView, Viewport, visibility::RenderLayers},
-    light::Cascades,
+    light::{
+        Cascades,
+        cluster::{ClusterConfig, Clusters},
+    },
     prelude::*,
     render::view::Msaa,
 };
-use bevy_planar_mirror::NotDrawn;
+use bevy_planar_mirror::{NotDrawn, status::MirrorFigures};
 
 use super::app::{EYE, PLAIN, SIZE, mirror_app, not};
 
@@ -236,4 +239,40 @@ fn a_view_has_a_place_but_no_transform_of_its_own() {
     assert!(view.contains::<GlobalTransform>());
     assert!(!view.contains::<Transform>());
     assert!(!view.contains::<ChildOf>());
+}
+
+/// A cluster costs the same whether it is seen or not.
+#[test]
+fn a_view_has_no_more_light_clusters_than_its_mirror_is_worth() {
+    let mut app = mirror_app();
+    let (mirror, camera) = (app.spawn_mirror(default()), app.spawn_camera(EYE));
+    let count =
+        |app: &super::app::MirrorApp, view| app.of::<Clusters>(view).dimensions.element_product();
+    let mut last = 0;
+    for scale in [0.02, 0.2, 1.0, 3.0] {
+        app.of_mut::<Transform>(mirror).scale = Vec3::splat(scale);
+        app.update();
+        let pixels = app.world().resource::<MirrorFigures>().views[0].pixels;
+        let (camera, view) = (camera, app.view(camera, mirror));
+        let (all, own) = (count(&app, camera), count(&app, view));
+        assert!(own <= all && own >= last, "{last}, {own} of {all}");
+        let slices = app.of::<Clusters>(camera).dimensions.z;
+        assert!(own <= slices.max(pixels as u32 / 16), "{own} for {pixels}");
+        assert!(own * 4 >= all.min(pixels as u32 / 16), "{own} for {pixels}");
+        assert_eq!(app.of::<Clusters>(view).dimensions.z, slices);
+        last = own;
+    }
+    for config in [
+        ClusterConfig::Single,
+        ClusterConfig::XYZ {
+            dimensions: uvec3(9, 7, 5),
+            z_config: default(),
+            dynamic_resizing: false,
+        },
+    ] {
+        app.insert(camera, config);
+        app.update();
+        let view = app.view(camera, mirror);
+        assert_eq!(count(&app, view), count(&app, camera));
+    }
 }

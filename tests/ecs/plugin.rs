@@ -75,7 +75,7 @@ fn shaders(app: &App) -> Vec<String> {
     let source = assets
         .get_source(AssetSourceId::from("embedded"))
         .expect("assets are there");
-    let mut names: Vec<String> = ["mask.wgsl", "shadow_copy.wgsl"]
+    let mut names: Vec<String> = ["mask.wgsl", "shadow.wgsl"]
         .into_iter()
         .filter(|name| {
             let path = Path::new("bevy_planar_mirror/render").join(name);
@@ -99,7 +99,7 @@ fn its_shaders_are_there_in_whichever_order_it_is_added() {
         app.finish();
         app.cleanup();
     }
-    assert_eq!(shaders(&after), ["mask.wgsl", "shadow_copy.wgsl"]);
+    assert_eq!(shaders(&after), ["mask.wgsl", "shadow.wgsl"]);
     assert_eq!(shaders(&before), shaders(&after));
 }
 

@@ -3,8 +3,8 @@
 use bevy::{
     asset::RenderAssetUsages,
     light::{
-        CascadeShadowConfigBuilder, EnvironmentMapLight, IrradianceVolume, LightProbe,
-        ShadowFilteringMethod,
+        CascadeShadowConfig, CascadeShadowConfigBuilder, EnvironmentMapLight, IrradianceVolume,
+        LightProbe, ShadowFilteringMethod,
     },
     pbr::{DistanceFog, FogFalloff},
     prelude::*,
@@ -14,7 +14,7 @@ use bevy::{
 use bevy_planar_mirror::MirrorShadows;
 
 use crate::support::{
-    live::Live,
+    live::{Live, assert_each_seen_at_once, of},
     props::{add, at, lamp, lit, six_colors, spot, still_noise, sun},
     scene::{Scene, Surface},
     studio::{SHARE, Studio, TOLERANCE, assert_reflects},
@@ -73,7 +73,7 @@ fn a_sun_without_shadows_lights_the_reflection() {
 }
 
 /// Low enough that the shadows fall on the wall behind the things.
-fn evening_sun(from: Vec3, cascades: usize) -> impl Bundle + Clone {
+fn evening_sun(from: Vec3, cascades: usize) -> (DirectionalLight, CascadeShadowConfig, Transform) {
     let light = DirectionalLight {
         illuminance: 3000.0,
         shadow_maps_enabled: cascades > 0,
@@ -184,6 +184,58 @@ fn lights_that_come_and_go_throw_their_shadows_at_once() {
     live.settled().assert_same(&expected[2], "lights-2");
     live.world().despawn(sun);
     live.settled().assert_same(&expected[1], "lights-3");
+}
+
+/// In a mirror that shows a small part of what the sun's cascades hold.
+fn small_mirror(name: &str, sun: impl Bundle + Clone) -> Scene {
+    let mut scene = still_life(name).prop((Name::new("sun"), sun));
+    scene.mirrors = vec![Surface::floor(1.2, 0.8, at(0.0, 0.0, 0.6))];
+    scene
+}
+
+/// Of a shadow map only the part is drawn that the mirror reads, and the rest is what an earlier
+/// frame left there.
+#[test]
+fn no_shadow_is_left_over_from_where_the_sun_and_the_eye_have_been() {
+    let scene = small_mirror("left-over", evening_sun(vec3(-0.6, 0.3, 3.0), 2));
+    assert_shadows_matter(&scene);
+    let sun_from = |from: Vec3| {
+        move |world: &mut World| {
+            *of::<Transform>(world, "sun") =
+                Transform::from_translation(from).looking_at(Vec3::ZERO, Vec3::Y);
+        }
+    };
+    let eye_at = |eye: Vec3| {
+        move |world: &mut World| {
+            let mut cameras = world.query_filtered::<&mut Transform, With<Camera3d>>();
+            let mut camera = cameras.single_mut(world).expect("there is one");
+            *camera = Transform::from_translation(eye).looking_at(vec3(0.0, 0.3, 0.0), Vec3::Y);
+        }
+    };
+    assert_each_seen_at_once(
+        &scene,
+        &[
+            &sun_from(vec3(-1.2, 0.1, 3.0)),
+            &eye_at(vec3(1.0, 1.2, 3.5)),
+            &sun_from(vec3(-0.3, 0.5, 3.0)),
+            &eye_at(vec3(-0.6, 1.9, 4.2)),
+        ],
+    );
+}
+
+/// A bias moves the place where a shadow is looked up along the normal, by any distance: here the
+/// wall's by some meters, to behind a box that throws no other shadow that is seen.
+#[test]
+fn shadows_that_are_looked_up_far_beside_lie_right() {
+    let (mut light, cascades, place) = evening_sun(vec3(3.0, 2.0, 0.8), 1);
+    light.shadow_normal_bias = 240.0;
+    let scene = small_mirror("bias", (light, cascades, place)).object(
+        Cuboid::from_length(1.6),
+        lit(Color::WHITE),
+        at(2.2, 2.1, 3.2),
+    );
+    assert_shadows_matter(&scene);
+    assert_reflects(&scene);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-// Copies one layer of a shadow map array into another array.
+// Fills a layer of a shadow map array: with the far side, or with a layer of another array.
 
 @group(0) @binding(0) var source: texture_depth_2d;
 

@@ -1,0 +1,178 @@
+//! What a reflected view sees, drawn in the order of the engine's own passes.
+
+use core::ops::Range;
+
+use bevy::{
+    core_pipeline::{
+        core_3d::{AlphaMask3d, Opaque3d, Transparent3d},
+        skybox::{SkyboxBindGroup, SkyboxPipelineId},
+    },
+    ecs::{prelude::*, system::SystemParam},
+    image::ToExtents,
+    log::error,
+    pbr::{ScreenSpaceTransmission, Transmissive3d, ViewLightEntities, ViewTransmissionTexture},
+    render::{
+        camera::ExtractedCamera,
+        render_phase::{
+            BinnedRenderPhase, DrawError, SortedRenderPhase, TrackedRenderPass,
+            ViewBinnedRenderPhases, ViewSortedRenderPhases,
+        },
+        render_resource::{BindGroup, PipelineCache, RenderPipeline},
+        renderer::RenderContext,
+        view::{ExtractedView, ViewTarget, ViewUniformOffset},
+    },
+};
+
+/// The phases of all reflected views.
+#[derive(SystemParam)]
+pub struct Reflections<'w, 's> {
+    opaque: Res<'w, ViewBinnedRenderPhases<Opaque3d>>,
+    alpha_mask: Res<'w, ViewBinnedRenderPhases<AlphaMask3d>>,
+    transmissive: Res<'w, ViewSortedRenderPhases<Transmissive3d>>,
+    transparent: Res<'w, ViewSortedRenderPhases<Transparent3d>>,
+    cache: Res<'w, PipelineCache>,
+    views: Query<
+        'w,
+        's,
+        (
+            &'static ExtractedView,
+            &'static ViewUniformOffset,
+            Option<&'static ViewLightEntities>,
+            Option<&'static SkyboxPipelineId>,
+            Option<&'static SkyboxBindGroup>,
+            Option<&'static ScreenSpaceTransmission>,
+            Option<&'static ViewTransmissionTexture>,
+        ),
+    >,
+}
+
+impl Reflections<'_, '_> {
+    /// The phases of a reflected view; `None` if it has gone.
+    pub fn get(&self, entity: Entity) -> Option<Reflection<'_>> {
+        let (view, offset, cascades, pipeline, group, settings, transmission) =
+            self.views.get(entity).ok()?;
+        let key = &view.retained_view_entity;
+        let skybox = match (pipeline, group) {
+            (Some(pipeline), Some(SkyboxBindGroup(group))) => self
+                .cache
+                .get_render_pipeline(pipeline.0)
+                .map(|pipeline| Skybox {
+                    pipeline,
+                    group: &group.0,
+                    offsets: [offset.offset, group.1],
+                }),
+            _ => None,
+        };
+        Some(Reflection {
+            entity,
+            view_offset: offset.offset,
+            cascades: cascades.filter(|cascades| !cascades.lights.is_empty()),
+            opaque: self.opaque.get(key),
+            alpha_mask: self.alpha_mask.get(key),
+            skybox,
+            transmissive: self.transmissive.get(key),
+            transmission_steps: settings.map_or(0, |settings| settings.steps),
+            transmission,
+            transparent: self.transparent.get(key),
+        })
+    }
+}
+
+/// Everything that a reflected view sees.
+pub struct Reflection<'a> {
+    pub entity: Entity,
+    /// Of its view uniform.
+    pub view_offset: u32,
+    /// Directional shadows to draw before it.
+    pub cascades: Option<&'a ViewLightEntities>,
+    opaque: Option<&'a BinnedRenderPhase<Opaque3d>>,
+    alpha_mask: Option<&'a BinnedRenderPhase<AlphaMask3d>>,
+    skybox: Option<Skybox<'a>>,
+    transmissive: Option<&'a SortedRenderPhase<Transmissive3d>>,
+    transmission_steps: usize,
+    transmission: Option<&'a ViewTransmissionTexture>,
+    transparent: Option<&'a SortedRenderPhase<Transparent3d>>,
+}
+
+struct Skybox<'a> {
+    pipeline: &'a RenderPipeline,
+    group: &'a BindGroup,
+    offsets: [u32; 2],
+}
+
+impl<'a> Reflection<'a> {
+    pub fn draw_opaque<'w>(&self, pass: &mut TrackedRenderPass<'w>, world: &'w World)
+    where
+        'a: 'w,
+    {
+        if let Some(phase) = self.opaque {
+            report(phase.render(pass, world, self.entity));
+        }
+        if let Some(phase) = self.alpha_mask {
+            report(phase.render(pass, world, self.entity));
+        }
+        if let Some(skybox) = &self.skybox {
+            pass.set_render_pipeline(skybox.pipeline);
+            pass.set_bind_group(0, skybox.group, &skybox.offsets);
+            pass.draw(0..3, 0..1);
+        }
+    }
+
+    /// Whether anything is drawn after the mirrors that are seen in it.
+    pub fn has_late_items(&self) -> bool {
+        self.transmissive
+            .is_some_and(|phase| !phase.items.is_empty())
+            || self
+                .transparent
+                .is_some_and(|phase| !phase.items.is_empty())
+    }
+
+    /// The transmissive items, far ones first, in as many steps as the camera takes: each step
+    /// refracts what the ones before have drawn. One step, without a texture, if it takes none.
+    pub fn transmissive_steps(&self) -> impl Iterator<Item = Range<usize>> + use<> {
+        let count = self.transmissive.map_or(0, |phase| phase.items.len());
+        let steps = self.transmission_steps.clamp(1, count.max(1));
+        (0..steps)
+            .map(move |step| step * count / steps..(step + 1) * count / steps)
+            .filter(|items| !items.is_empty())
+    }
+
+    /// Lets the next transmissive items see the picture as it is now.
+    pub fn copy_for_transmission(
+        &self,
+        target: &ViewTarget,
+        camera: &ExtractedCamera,
+        ctx: &mut RenderContext,
+    ) {
+        if let (Some(transmission), Some(size)) = (self.transmission, camera.physical_target_size) {
+            ctx.command_encoder().copy_texture_to_texture(
+                target.main_texture().as_image_copy(),
+                transmission.texture.as_image_copy(),
+                size.to_extents(),
+            );
+        }
+    }
+
+    pub fn draw_transmissive<'w>(
+        &self,
+        pass: &mut TrackedRenderPass<'w>,
+        world: &'w World,
+        items: Range<usize>,
+    ) {
+        if let Some(phase) = self.transmissive {
+            report(phase.render_range(pass, world, self.entity, items));
+        }
+    }
+
+    pub fn draw_transparent<'w>(&self, pass: &mut TrackedRenderPass<'w>, world: &'w World) {
+        if let Some(phase) = self.transparent {
+            report(phase.render(pass, world, self.entity));
+        }
+    }
+}
+
+fn report(drawn: Result<(), DrawError>) {
+    if let Err(err) = drawn {
+        error!("a reflected view's phase: {err:?}");
+    }
+}
