@@ -62,7 +62,8 @@ pub enum MirrorSystems {
     /// Drops what lies behind each mirror, chooses the projections and writes [`MirrorStatus`].
     /// After `VisibilitySystems::CheckVisibility`.
     ClipViews,
-    /// Leaves out directional shadows that fall on nothing seen in a mirror. Between
+    /// Leaves out directional shadows that fall on nothing seen in a mirror, and writes
+    /// [`MirrorFigures`]. Between
     /// `SimulationLightSystems::UpdateLightFrusta` and `CheckLightVisibility`.
     NarrowShadows,
     /// Takes the reflected views out of sight again. Between [`UpdateViews`](Self::UpdateViews)
@@ -121,12 +122,12 @@ impl Plugin for PlanarMirrorPlugin {
                         .in_set(MirrorSystems::UpdateViews),
                     (
                         clip_reflected_views.run_if(any_reflected_views),
-                        (report_status, report_figures),
+                        report_status,
                     )
                         .chain()
                         .in_set(MirrorSystems::ClipViews),
-                    narrow_cascades
-                        .run_if(any_reflected_views)
+                    (narrow_cascades.run_if(any_reflected_views), report_figures)
+                        .chain()
                         .in_set(MirrorSystems::NarrowShadows),
                     enable_reflected_views
                         .run_if(some_views_wait)

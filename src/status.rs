@@ -121,6 +121,8 @@ pub struct ViewFigures {
     pub objects: usize,
     /// The projection with which they are drawn.
     pub projection: Projection,
+    /// Cascades of directional lights that are drawn for it: those that something seen in it reads.
+    pub cascades: usize,
 }
 
 impl MirrorStatus {

@@ -87,17 +87,18 @@ fn show_figures(
     let mut lines = format!("reflected views: {}\n", figures.views.len());
     let last = figures.views.iter().map(|view| view.bounces).max();
     for bounce in 1..=last.unwrap_or(0) {
-        let (mut views, mut mirrors, mut objects, mut pixels) = (0, 0, 0, 0.0);
+        let (mut views, mut mirrors, mut objects, mut shadows, mut pixels) = (0, 0, 0, 0, 0.0);
         for view in figures.views.iter().filter(|view| view.bounces == bounce) {
             views += 1;
             mirrors += view.mirrors;
             objects += view.objects;
+            shadows += view.cascades;
             pixels += view.pixels;
         }
         // Writing to a String cannot fail.
         let _ = writeln!(
             lines,
-            "bounce {bounce}: views {views}, mirrors {mirrors}, objects {objects}, pixels {pixels:.0}",
+            "bounce {bounce}: views {views}, mirrors {mirrors}, objects {objects}, shadow cascades {shadows}, pixels {pixels:.0}",
         );
     }
     if let Some(spans) = reader.read(&store) {

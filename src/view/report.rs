@@ -9,7 +9,7 @@ use bevy::{
 
 use super::{Decision, ReflectedViews};
 use crate::{
-    mirror::PlanarMirror,
+    mirror::{MirrorShadows, PlanarMirror},
     status::{CameraStatus, MirrorFigures, MirrorState, MirrorStatus, NotDrawn, ViewFigures},
 };
 
@@ -81,8 +81,9 @@ pub fn report_figures(views: Res<ReflectedViews>, mut figures: ResMut<MirrorFigu
         views
             .planned
             .iter()
-            .filter(|planned| planned.entity.is_some())
-            .map(|planned| ViewFigures {
+            .enumerate()
+            .filter(|(_, planned)| planned.entity.is_some())
+            .map(|(index, planned)| ViewFigures {
                 camera: planned.camera,
                 mirror: views.surfaces[planned.mirrors.start],
                 mirrors: planned.mirrors.len(),
@@ -90,6 +91,10 @@ pub fn report_figures(views: Res<ReflectedViews>, mut figures: ResMut<MirrorFigu
                 pixels: planned.pixels as f32,
                 objects: planned.objects,
                 projection: planned.projection,
+                cascades: match planned.shadows {
+                    MirrorShadows::Own => views.cascades.iter().filter(|c| c.view == index).count(),
+                    MirrorShadows::Off => 0,
+                },
             }),
     );
 }

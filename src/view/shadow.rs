@@ -78,6 +78,10 @@ pub fn narrow_cascades(
             continue;
         };
         for (entity, light, config, of_light, mut frusta) in &mut lights {
+            // Its cascades are those of the time when it still threw shadows.
+            if !light.shadow_maps_enabled {
+                continue;
+            }
             let (Some(of_view), Some(frusta)) =
                 (of_light.cascades.get(&view), frusta.frusta.get_mut(&view))
             else {
