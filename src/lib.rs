@@ -89,13 +89,16 @@
 //!
 //! # What it costs
 //!
-//! [`MirrorFigures`] lists the reflected views of a frame, with the pixels of the mirror and the
-//! objects drawn in it. How long the pass took is the span `planar_mirror_pass` of Bevy's render
+//! [`MirrorFigures`] lists the reflected views of a frame, with the pixels of the mirror, the
+//! objects and the shadow cascades drawn for it. How long the pass took is the span `planar_mirror_pass` of Bevy's render
 //! diagnostics. With the feature `debug` gizmos show the visible part of each mirror and the
 //! frustum behind it, in which objects are looked for.
 //!
-//! Directional shadows are most of the price of a lit reflection: [`MirrorShadows::Off`] spares
-//! them. Mirrors in one plane share a view, so that a floor of tiles costs as one mirror.
+//! A mirror costs what is seen in it: its pixels, the objects that show, light clusters for so many
+//! pixels, and of the directional shadows those that fall on what shows, which
+//! [`MirrorShadows::Off`] spares. Mirrors in one plane share a view, so that a floor of tiles costs
+//! as one mirror. A mirror that is hidden by what stands before it is not told from one that is
+//! seen, but none of its pixels are shaded.
 //!
 //! # Mirrors in mirrors
 //!

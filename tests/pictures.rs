@@ -26,6 +26,7 @@ mod pictures {
     mod objects;
     mod projections;
     mod random_scenes;
+    mod settings;
     mod several;
     mod shapes;
     mod surfaces;

@@ -8,34 +8,26 @@ use crate::{
     args::Args,
     scenes::SceneTime,
     shared::{
-        cli::say,
+        cli,
         headless::{Studio, Target},
     },
 };
 
 pub fn run(args: &Args) -> ExitCode {
-    match draw(args) {
-        Ok(line) => {
-            println!("{line}");
-            ExitCode::SUCCESS
-        }
-        Err(line) => {
-            say(&line);
-            ExitCode::FAILURE
-        }
-    }
+    cli::tell(draw(args))
 }
 
-/// The line that says where the pictures are; or what went wrong.
-fn draw(args: &Args) -> Result<String, String> {
-    let pictures = args.pictures()?;
+/// The line that says where the pictures are; or what went wrong, and the exit code.
+fn draw(args: &Args) -> Result<String, (String, u8)> {
+    let pictures = args.pictures().map_err(|line| (line.to_owned(), 2))?;
     let mut studio = Studio::new(args.size, |app| {
         crate::add_common(app, args);
         app.add_systems(PreUpdate, aim_at_target);
     });
-    pictures.draw(&mut studio, args.time, |app, seconds| {
+    let drawn = pictures.draw(&mut studio, args.time, |app, seconds| {
         app.insert_resource(SceneTime(seconds));
-    })
+    });
+    drawn.map_err(|line| (line, 1))
 }
 
 fn aim_at_target(

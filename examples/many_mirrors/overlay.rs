@@ -10,7 +10,7 @@ use bevy_planar_mirror::MirrorFigures;
 
 use crate::{
     scenes::{Place, Shown},
-    shared::panel::{at_the_left, hide_panels, panel},
+    shared::panel::{add_panels, hide_panels},
     spans::Reader,
 };
 
@@ -39,23 +39,7 @@ fn add_text(mut commands: Commands) {
         },
         IsDefaultUiCamera,
     ));
-    let (top, bottom) = (px(10), px(10));
-    commands.spawn((
-        KeyList,
-        panel(),
-        Node {
-            top,
-            ..at_the_left()
-        },
-    ));
-    commands.spawn((
-        Figures,
-        panel(),
-        Node {
-            bottom,
-            ..at_the_left()
-        },
-    ));
+    add_panels(&mut commands, KeyList, Figures);
 }
 
 fn show_keys(shown: Res<Shown>, mut list: Single<&mut Text, With<KeyList>>) {

@@ -26,6 +26,20 @@ pub fn complain(text: &str) -> ExitCode {
     ExitCode::from(2)
 }
 
+/// Says what came of it, and gives the exit code.
+pub fn tell(outcome: Result<String, (String, u8)>) -> ExitCode {
+    match outcome {
+        Ok(line) => {
+            println!("{line}");
+            ExitCode::SUCCESS
+        }
+        Err((line, code)) => {
+            say(&line);
+            ExitCode::from(code)
+        }
+    }
+}
+
 /// One line of what went wrong.
 pub fn say(text: &str) {
     let line: Vec<&str> = text.split_whitespace().collect();

@@ -6,25 +6,31 @@ use bevy::prelude::*;
 #[derive(Component, Clone)]
 pub struct Panel;
 
-/// An empty panel at the left; `top` or `bottom` of its node put it at a height.
-pub fn panel() -> impl Bundle + Clone {
-    (
+/// Two empty panels at the left, above and below.
+pub fn add_panels(commands: &mut Commands, above: impl Component, below: impl Component) {
+    let (top, bottom) = (px(10), px(10));
+    let node = Node {
+        position_type: PositionType::Absolute,
+        left: px(10),
+        padding: UiRect::axes(px(10), px(7)),
+        ..default()
+    };
+    let panel = (
         Panel,
         Text::default(),
         TextFont::from_font_size(13.0),
         TextColor(Color::srgb(0.93, 0.93, 0.90)),
         BackgroundColor(Color::srgba(0.02, 0.03, 0.05, 0.75)),
-    )
-}
-
-/// Where a panel is, less its height.
-pub fn at_the_left() -> Node {
-    Node {
-        position_type: PositionType::Absolute,
-        left: px(10),
-        padding: UiRect::axes(px(10), px(7)),
-        ..default()
-    }
+    );
+    commands.spawn((
+        above,
+        panel.clone(),
+        Node {
+            top,
+            ..node.clone()
+        },
+    ));
+    commands.spawn((below, panel, Node { bottom, ..node }));
 }
 
 pub fn hide_panels(

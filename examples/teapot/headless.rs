@@ -9,22 +9,13 @@ use crate::{
     scene::SceneTime,
     settings,
     shared::{
-        cli::say,
+        cli,
         headless::{Studio, Target},
     },
 };
 
 pub fn run(args: &Args) -> ExitCode {
-    match draw(args) {
-        Ok(line) => {
-            println!("{line}");
-            ExitCode::SUCCESS
-        }
-        Err((line, code)) => {
-            say(&line);
-            ExitCode::from(code)
-        }
-    }
+    cli::tell(draw(args))
 }
 
 /// The line that says where the pictures are; or what went wrong, and the exit code.

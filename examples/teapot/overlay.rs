@@ -11,7 +11,7 @@ use crate::{
     controls::Paused,
     scene::Table,
     settings::Settings,
-    shared::panel::{at_the_left, hide_panels, panel},
+    shared::panel::{add_panels, hide_panels},
 };
 
 #[derive(Component)]
@@ -27,23 +27,7 @@ pub fn plugin(app: &mut App) {
 }
 
 fn add_text(mut commands: Commands) {
-    let (top, bottom) = (px(10), px(10));
-    commands.spawn((
-        KeyList,
-        panel(),
-        Node {
-            top,
-            ..at_the_left()
-        },
-    ));
-    commands.spawn((
-        StatusLine,
-        panel(),
-        Node {
-            bottom,
-            ..at_the_left()
-        },
-    ));
+    add_panels(&mut commands, KeyList, StatusLine);
 }
 
 fn show_keys(
