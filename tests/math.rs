@@ -1,5 +1,7 @@
 //! The maths of the mirror: against reference vectors of 50 digits, and as laws on random input.
 
+#[path = "support/count.rs"]
+mod count;
 #[path = "math/extremes.rs"]
 mod extremes;
 #[path = "math/fitting.rs"]

@@ -1,65 +1,114 @@
 //! Random scenes against the reference: tilted and scaled mirrors, objects across and behind the plane, fields of view
 //! from narrow to wide, head-on, grazing, orthographic, far from the origin; lit or not.
+//!
+//! `PLANAR_MIRROR_STABILITY=full cargo test --test pictures random_scenes -- --nocapture` draws five hundred.
 
-use crate::support::{
-    random::{self, Kind},
-    studio::{SHARE_FAR_AWAY, Studio},
+use std::{
+    ops::Range,
+    panic::{AssertUnwindSafe, catch_unwind},
 };
 
-/// One studio draws them all: what a scene leaves behind must not show in the next.
-fn assert_all_reflect(kind: Kind, seeds: std::ops::Range<u64>) {
+use crate::support::{
+    count::count,
+    picture::Difference,
+    random::{self, Kind},
+    scene::Scene,
+    studio::{SHARE, SHARE_FAR_AWAY, Studio},
+};
+
+/// Scenes of each kind where all are asked for.
+const FULL: u64 = 100;
+
+/// Pixels that one mirror may show otherwise, however few it has. Where a mesh is cut, the reference is shaded a little
+/// otherwise: a corner's normal is made unit anew.
+const ODD: usize = 1;
+/// So far away rounding moves edges by up to a twentieth of a pixel, and a mirror shows some three hundred pixels of them.
+const ODD_FAR_AWAY: usize = 16;
+
+/// One studio draws all scenes of a kind: what a scene leaves behind must not show in the next. Of the pixels of all
+/// mirrors together at least `share` must be right.
+fn assert_all_reflect(kind: Kind, seeds: Range<u64>, odd: usize, share: f64) {
+    let seeds = seeds.start..seeds.start + count(seeds.end - seeds.start, FULL);
     let mut studio = Studio::default();
+    let (mut compared, mut beyond, mut blank) = (0, 0, 0);
+    let mut worst: Option<(u64, Difference)> = None;
     let mut failed = Vec::new();
-    for seed in seeds {
+    for seed in seeds.clone() {
         let scene = random::scene(seed, kind);
-        let attempt = std::panic::AssertUnwindSafe(|| studio.assert_reflects(&scene));
-        if std::panic::catch_unwind(attempt).is_err() {
-            failed.push(seed);
-            // What failed may have left its stage in any state.
-            studio = Studio::default();
+        let again = format!("random::scene({seed}, Kind::{kind:?})");
+        let attempt = AssertUnwindSafe(|| studio.reflection_error(&scene));
+        let difference = match catch_unwind(attempt) {
+            Ok(difference) => difference,
+            Err(panic) => {
+                // What failed may have left its stage in any state.
+                studio = Studio::default();
+                let says_so = panic.downcast_ref::<String>();
+                if says_so.is_some_and(|text| text.contains("is nothing but"))
+                    && is_blank(&mut studio, &scene)
+                {
+                    blank += 1;
+                } else {
+                    failed.push(format!("{again}: see above"));
+                }
+                continue;
+            }
+        };
+        let allowed = odd.max((difference.compared as f64 * (1.0 - share)) as usize);
+        if difference.beyond > allowed {
+            failed.push(format!("{again}: {difference}"));
+        }
+        compared += difference.compared;
+        beyond += difference.beyond;
+        let rank = |of: &Difference| (of.beyond, of.worst);
+        if worst.is_none_or(|(_, worst)| rank(&difference) > rank(&worst)) {
+            worst = Some((seed, difference));
         }
     }
+    let scenes = seeds.end - seeds.start;
+    println!("{kind:?}: {scenes} scenes, {blank} blank; {beyond} of {compared} pixels differ");
+    if let Some((seed, worst)) = worst {
+        println!("  worst: random::scene({seed}, Kind::{kind:?}): {worst}");
+    }
+    let failures = failed.join("\n");
+    assert!(failed.is_empty(), "of {seeds:?} these fail:\n{failures}");
     assert!(
-        failed.is_empty(),
-        "{kind:?} scenes fail with the seeds {failed:?}"
+        beyond as f64 <= compared as f64 * (1.0 - share),
+        "{beyond} of {compared} pixels differ"
     );
+    assert!(
+        20 * blank <= scenes,
+        "{blank} of {scenes} scenes show nothing"
+    );
+}
+
+/// Whether stock Bevy draws nothing of a scene either, neither beside the mirror nor in it.
+fn is_blank(studio: &mut Studio, scene: &Scene) -> bool {
+    let (plain, reference) = (studio.without_mirrors(scene), studio.reference(scene, 0));
+    plain == reference && plain.shows_something().is_err()
 }
 
 #[test]
 fn scenes_of_any_kind() {
-    assert_all_reflect(Kind::Any, 0..20);
+    assert_all_reflect(Kind::Any, 0..20, ODD, SHARE);
 }
 
 #[test]
 fn head_on_scenes() {
-    assert_all_reflect(Kind::HeadOn, 100..107);
+    assert_all_reflect(Kind::HeadOn, 100..107, ODD, SHARE);
 }
 
 #[test]
 fn grazing_scenes() {
-    assert_all_reflect(Kind::Grazing, 200..206);
+    assert_all_reflect(Kind::Grazing, 200..206, ODD, SHARE);
 }
 
 #[test]
 fn orthographic_scenes() {
-    assert_all_reflect(Kind::Orthographic, 300..306);
+    assert_all_reflect(Kind::Orthographic, 300..306, ODD, SHARE);
 }
 
-/// So far away single precision moves an edge by some hundredths of a pixel, in the reference as in the mirror. One
-/// mirror of these has too few pixels for a share of them to say anything; all of them together have enough.
+/// So far away single precision moves an edge by some hundredths of a pixel, in the reference as in the mirror.
 #[test]
 fn scenes_far_from_the_origin() {
-    let mut studio = Studio::default();
-    let (mut compared, mut beyond) = (0, 0);
-    for seed in 400..412 {
-        let scene = random::scene(seed, Kind::FarAway);
-        let difference = studio.reflection_error(&scene);
-        assert!(difference.beyond <= 4, "seed {seed}: {difference}");
-        compared += difference.compared;
-        beyond += difference.beyond;
-    }
-    assert!(
-        beyond as f64 <= compared as f64 * (1.0 - SHARE_FAR_AWAY),
-        "{beyond} of {compared} pixels differ"
-    );
+    assert_all_reflect(Kind::FarAway, 400..412, ODD_FAR_AWAY, SHARE_FAR_AWAY);
 }

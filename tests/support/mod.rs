@@ -1,6 +1,7 @@
 //! What the picture tests stand on: an app without a window ([`stage`]), scenes written once and drawn in several
 //! ways ([`scene`], [`studio`], [`reference`]), and pictures that can be compared ([`picture`]).
 
+pub mod count;
 pub mod cut;
 pub mod foreign;
 pub mod hall;

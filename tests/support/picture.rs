@@ -69,6 +69,14 @@ impl Picture {
         Self::from_fn(self.size, |x, y| self.at(self.size.x - 1 - x, y))
     }
 
+    /// Of each pixel, the one of two pictures of this size that is more like this one's.
+    pub fn nearer(&self, a: &Self, b: &Self) -> Self {
+        Self::from_fn(self.size, |x, y| {
+            let [own, a, b] = [self, a, b].map(|picture| picture.at(x, y));
+            if apart(own, a) <= apart(own, b) { a } else { b }
+        })
+    }
+
     pub fn crop(&self, min: UVec2, size: UVec2) -> Self {
         Self::from_fn(size, |x, y| self.at(min.x + x, min.y + y))
     }

@@ -5,10 +5,10 @@ use glam::{DMat3, DQuat, DVec2, DVec3};
 
 use super::{
     motion::{Wall, slanted},
-    tally::count,
     witness::HALF_STEP,
 };
 use crate::{
+    count::count,
     extremes::{Extreme, KINDS},
     random::rounded,
 };

@@ -4,10 +4,10 @@ use bevy_planar_mirror::math::*;
 use glam::{DAffine3, DMat4, DVec2, DVec3};
 
 use super::{
-    tally::{Broken, Tally, count, run},
+    tally::{Broken, Tally, run},
     witness::Witness,
 };
-use crate::extremes::KINDS;
+use crate::{count::count, extremes::KINDS};
 
 /// As documented.
 const GHOST_PX: f64 = 0.25;

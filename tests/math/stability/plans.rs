@@ -4,10 +4,13 @@ use bevy_planar_mirror::math::*;
 use glam::{DMat3, DVec2};
 
 use super::{
-    tally::{Broken, Tally, count, run},
+    tally::{Broken, Tally, run},
     witness::{HALF_STEP, Witness, lengths, max_margin, min_width_px},
 };
-use crate::extremes::{Extreme, KINDS};
+use crate::{
+    count::count,
+    extremes::{Extreme, KINDS},
+};
 
 /// What both sides find in `f64` may differ by this much of it.
 const CLOSE: f64 = 1e-6;

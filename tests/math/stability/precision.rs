@@ -4,10 +4,13 @@ use bevy_planar_mirror::math::*;
 use glam::{DVec2, DVec3, DVec4, Mat4, Vec3};
 
 use super::{
-    tally::{Broken, Tally, count, run},
+    tally::{Broken, Tally, run},
     witness::is_rigid,
 };
-use crate::extremes::{Extreme, KINDS, Kind};
+use crate::{
+    count::count,
+    extremes::{Extreme, KINDS, Kind},
+};
 
 /// A clip coordinate of a point, given a row of the matrix.
 type Order = fn([f32; 4], Vec3) -> f32;

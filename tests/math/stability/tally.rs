@@ -8,15 +8,6 @@ use std::{
 
 use crate::extremes::{Extreme, Kind, Shares, shares, shrink};
 
-/// One environment variable for the full counts: `PLANAR_MIRROR_STABILITY=full`.
-pub fn count(usual: u64, full: u64) -> u64 {
-    match std::env::var("PLANAR_MIRROR_STABILITY").as_deref() {
-        Err(_) | Ok("") => usual,
-        Ok("full") => full,
-        Ok(other) => panic!("PLANAR_MIRROR_STABILITY is full or not set, not {other:?}"),
-    }
-}
-
 /// A law that does not hold, and by what figures.
 pub struct Broken(pub &'static str, pub String);
 
