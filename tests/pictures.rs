@@ -12,6 +12,7 @@ mod pictures {
     mod churn;
     mod company;
     mod contents;
+    mod continuity;
     mod cutting;
     mod effects;
     mod extremes;
