@@ -23,13 +23,27 @@ struct MirrorUniform {
 // The engine computes the same depth of the same surface by another program, so the two may differ
 // by some units of rounding. 2^-18 of the depth is 64 of them, and 40 micrometres at 10 m.
 const DEPTH_SLACK: f32 = 3.8146973e-6;
+// Without perspective depth is the sum of a constant and three products, and is near the constant
+// all the way. Of it, four units of rounding; of what begins with the place of the surface, 16.
+// Where something enters the mirror slack is a gap: 2^-18 would be 4 millimetres of 1000 m.
+const CONSTANT_SLACK: f32 = 2.3841858e-7;
+const PRODUCT_SLACK: f32 = 9.536743e-7;
+
+fn depth_slack(world_position: vec3<f32>, clip: vec4<f32>) -> f32 {
+    if view.clip_from_view[3][3] != 1.0 {
+        return clip.z * DEPTH_SLACK;
+    }
+    let m = view.clip_from_world;
+    let products = abs(vec3(m[0].z, m[1].z, m[2].z) * world_position);
+    return dot(products, vec3(PRODUCT_SLACK)) + abs(m[3].z) * CONSTANT_SLACK;
+}
 
 // The place of the surface, moved towards the eye by `side` times the slack.
 fn moved(position: vec3<f32>, side: f32) -> vec4<f32> {
-    let world_position = mirror.world_from_local * vec4(position, 1.0);
-    let clip = view.clip_from_world * vec4(world_position.xyz, 1.0);
-    let z = clip.z * (1.0 + side * DEPTH_SLACK) + side * mirror.depth_noise * clip.w;
-    return vec4(clip.xy, z, clip.w);
+    let world_position = (mirror.world_from_local * vec4(position, 1.0)).xyz;
+    let clip = view.clip_from_world * vec4(world_position, 1.0);
+    let slack = depth_slack(world_position, clip) + mirror.depth_noise * clip.w;
+    return vec4(clip.xy, clip.z + side * slack, clip.w);
 }
 
 // Towards the eye, so that a mirror is not hidden by its own material.
