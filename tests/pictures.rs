@@ -27,6 +27,7 @@ mod pictures {
     mod objects;
     mod projections;
     mod random_scenes;
+    mod seams;
     mod settings;
     mod several;
     mod shapes;
