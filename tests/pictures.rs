@@ -25,6 +25,7 @@ mod pictures {
     mod looks;
     mod materials;
     mod objects;
+    mod precision;
     mod projections;
     mod random_scenes;
     mod seams;
