@@ -44,6 +44,16 @@
 //!
 //! `PLANAR_MIRROR_STABILITY=full cargo test --test math stability -- --nocapture` measures it anew.
 //!
+//! In pictures of 320 x 240 pixels by Mesa's software rasterizer, so with all that comes after:
+//!
+//! | | at the origin | 10 units away | 1000 units away |
+//! |---|---|---|---|
+//! | a pixel on the wrong side of the cut, from it, in pixels, 60 scenes each | 0.0021 | 0.0021 | 0.0095 |
+//!
+//! Of two panels as far apart as [`depth_error`] asks for the nearer one was seen in all of 33
+//! cases, and as a rule down to a sixteenth of that and less: the bound is safe, and wide. Nothing
+//! was lost at 1e3 and 1e7 units. The same variable with `--test pictures precision` measures that.
+//!
 //! # Errors
 //!
 //! Nothing here panics. What cannot be answered is `None` or a named reason; not a number and
