@@ -4,7 +4,7 @@ use bevy::{
     asset::RenderAssetUsages,
     light::{
         CascadeShadowConfig, CascadeShadowConfigBuilder, EnvironmentMapLight, IrradianceVolume,
-        LightProbe, ShadowFilteringMethod,
+        LightProbe, ShadowFilteringMethod, cluster::ClusterConfig,
     },
     pbr::{DistanceFog, FogFalloff},
     prelude::*,
@@ -184,6 +184,31 @@ fn lights_that_come_and_go_throw_their_shadows_at_once() {
     live.settled().assert_same(&expected[2], "lights-2");
     live.world().despawn(sun);
     live.settled().assert_same(&expected[1], "lights-3");
+}
+
+/// The middle of the picture is then the floor's horizon, where the near plane of a cut reflection is met by no ray.
+#[test]
+fn lamps_light_what_a_level_camera_sees_in_a_floor() {
+    for (size, clusters) in [
+        (uvec2(160, 100), None),
+        (uvec2(100, 160), None),
+        (uvec2(160, 120), Some(uvec3(4, 2, 24))),
+        (uvec2(160, 120), Some(uvec3(1, 2, 1))),
+    ] {
+        let mut scene = still_life(&format!("level-{size}-{clusters:?}"))
+            .eye(vec3(0.0, 1.6, 4.0), vec3(0.0, 1.6, 0.0))
+            .prop(low_spot())
+            .prop(lamp(vec3(1.0, 2.0, 2.0), false));
+        scene.size = size;
+        if let Some(dimensions) = clusters {
+            scene = scene.with_camera(ClusterConfig::XYZ {
+                dimensions,
+                z_config: default(),
+                dynamic_resizing: false,
+            });
+        }
+        assert_reflects(&scene);
+    }
 }
 
 /// In a mirror that shows a small part of what the sun's cascades hold.
