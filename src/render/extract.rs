@@ -62,6 +62,7 @@ pub struct ExtractedSurface {
 }
 
 /// See [`SeenCascade`](crate::view::SeenCascade).
+#[derive(Clone, Copy)]
 pub struct ExtractedCascade {
     pub light: Entity,
     pub index: usize,

@@ -91,7 +91,7 @@ pub fn mirror_pass(
     {
         resources.shadows.copy_spots(&mut ctx);
     }
-    resources.draw_cascades(first, world, &mut ctx);
+    resources.draw_cascades(first, prepared, world, &mut ctx);
     let mut lit = first.prepared.view;
     let mut pass = attachments.begin(&mut ctx, true);
     let mut begun: Vec<&Mirror> = Vec::new();
@@ -104,7 +104,7 @@ pub fn mirror_pass(
                 && lit != reflection.entity
             {
                 drop(pass);
-                resources.draw_cascades(mirror, world, &mut ctx);
+                resources.draw_cascades(mirror, prepared, world, &mut ctx);
                 lit = reflection.entity;
                 pass = attachments.begin(&mut ctx, false);
             }
@@ -129,7 +129,7 @@ pub fn mirror_pass(
         };
         if mirror.reflection.cascades.is_some() && lit != mirror.reflection.entity {
             drop(pass);
-            resources.draw_cascades(mirror, world, &mut ctx);
+            resources.draw_cascades(mirror, prepared, world, &mut ctx);
             lit = mirror.reflection.entity;
             pass = attachments.begin(&mut ctx, false);
         }
@@ -348,9 +348,15 @@ impl PassResources<'_, '_> {
     }
 
     /// Draws what a reflection reads of its cascades into the array that all reflections share.
-    fn draw_cascades(&self, mirror: &Mirror, world: &World, ctx: &mut RenderContext) {
+    fn draw_cascades(
+        &self,
+        mirror: &Mirror,
+        prepared: &ViewMirrors,
+        world: &World,
+        ctx: &mut RenderContext,
+    ) {
         if let Some(cascades) = mirror.reflection.cascades {
-            let read = mirror.prepared.cascades.clone();
+            let read = &prepared.cascades[mirror.prepared.cascades.clone()];
             self.shadows.draw_cascades(cascades, read, world, ctx);
         }
     }

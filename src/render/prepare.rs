@@ -25,7 +25,7 @@ use bevy::{
 use glam::{Mat4, Vec2};
 
 use super::{
-    extract::{ExtractedMirrorView, ExtractedMirrors},
+    extract::{ExtractedCascade, ExtractedMirrorView, ExtractedMirrors},
     mask::{MirrorPipelines, PassKey, SpecializedMasks, SurfaceDraw},
     variant::StencilVariants,
 };
@@ -54,6 +54,8 @@ pub struct ViewMirrors {
     pub mirrors: Vec<PreparedMirror>,
     /// The surfaces of all of them.
     pub surfaces: Vec<PreparedSurface>,
+    /// The shadow cascades that they read.
+    pub cascades: Vec<ExtractedCascade>,
 }
 
 /// A reflected view of a camera.
@@ -68,7 +70,7 @@ pub struct PreparedMirror {
     pub surfaces: Range<usize>,
     /// The lowest and the highest device coordinates of what is seen of the surfaces.
     pub ndc_bounds: (Vec2, Vec2),
-    /// Which of [`ExtractedMirrors::cascades`] the reflection reads.
+    /// Which of the cascades the reflection reads.
     pub cascades: Range<usize>,
 }
 
@@ -197,6 +199,12 @@ pub fn prepare_mirrors(
             }
             first..surfaces.len()
         };
+        let mut cascades = Vec::new();
+        let mut prepare_cascades = |read: Range<usize>| {
+            let first = cascades.len();
+            cascades.extend_from_slice(&mirrors.cascades[read]);
+            first..cascades.len()
+        };
         let mirrors = of_camera
             .iter()
             .map(|mirror| PreparedMirror {
@@ -205,7 +213,7 @@ pub fn prepare_mirrors(
                 bounce: mirror.bounce,
                 surfaces: prepare_surfaces(mirror),
                 ndc_bounds: mirror.ndc_bounds,
-                cascades: mirror.cascades.clone(),
+                cascades: prepare_cascades(mirror.cascades.clone()),
             })
             .collect();
         commands.entity(entity).insert(ViewMirrors {
@@ -220,6 +228,7 @@ pub fn prepare_mirrors(
             background: background(camera, &clear_color),
             mirrors,
             surfaces,
+            cascades,
         });
     }
 }

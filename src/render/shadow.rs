@@ -10,10 +10,7 @@
 //! Of a cascade only what the reflection reads is drawn. The rest of a layer may hold what another
 //! view left there.
 
-use core::{
-    ops::Range,
-    sync::atomic::{AtomicBool, Ordering},
-};
+use core::sync::atomic::{AtomicBool, Ordering};
 
 use bevy::{
     asset::{AssetServer, Handle, load_embedded_asset},
@@ -226,7 +223,6 @@ pub struct MirrorShadowPasses<'w, 's> {
     maps: Res<'w, MirrorShadowMaps>,
     pipelines: Res<'w, ShadowPipelines>,
     cache: Res<'w, PipelineCache>,
-    mirrors: Res<'w, ExtractedMirrors>,
     phases: Res<'w, ViewBinnedRenderPhases<Shadow>>,
     views: Query<'w, 's, (&'static ExtractedView, &'static LightEntity)>,
 }
@@ -251,16 +247,14 @@ impl MirrorShadowPasses<'_, '_> {
         }
     }
 
-    /// Draws the cascades of one reflected view, those of which it reads something, that is which
-    /// of [`ExtractedMirrors::cascades`].
+    /// Draws the cascades of one reflected view, those of which it reads something.
     pub fn draw_cascades(
         &self,
         cascades: &ViewLightEntities,
-        read: Range<usize>,
+        read: &[ExtractedCascade],
         world: &World,
         ctx: &mut RenderContext,
     ) {
-        let read = &self.mirrors.cascades[read];
         let clear = self.pipeline(self.pipelines.clear);
         for (&light_view, target) in cascades.lights.iter().zip(&self.maps.layers) {
             let Ok((view, light)) = self.views.get(light_view) else {
