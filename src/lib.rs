@@ -90,9 +90,9 @@
 //! # What it costs
 //!
 //! [`MirrorFigures`] lists the reflected views of a frame, with the pixels of the mirror, the
-//! objects and the shadow cascades drawn for it. How long the pass took is the span `planar_mirror_pass` of Bevy's render
-//! diagnostics. With the feature `debug` gizmos show the visible part of each mirror and the
-//! frustum behind it, in which objects are looked for.
+//! objects and the shadow cascades drawn for it. How long the pass took is the span
+//! `planar_mirror_pass` of Bevy's render diagnostics. With the feature `debug` gizmos show the
+//! visible part of each mirror and the frustum behind it, in which objects are looked for.
 //!
 //! A mirror costs what is seen in it: its pixels, the objects that show, light clusters for so many
 //! pixels, and of the directional shadows those that fall on what shows, which

@@ -31,6 +31,7 @@ mod pictures {
     mod seams;
     mod settings;
     mod several;
+    mod shadows;
     mod shapes;
     mod surfaces;
     mod targets;

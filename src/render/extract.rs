@@ -115,8 +115,8 @@ fn extract_tree(
             }),
     );
     let first_cascade = extracted.cascades.len();
-    let of_view = views.cascades.iter().filter(|seen| seen.view == index);
-    extracted.cascades.extend(of_view.filter_map(|seen| {
+    let read = &views.cascades[planned.cascades.clone()];
+    extracted.cascades.extend(read.iter().filter_map(|seen| {
         Some(ExtractedCascade {
             light: render_entity(Some(seen.light))?,
             index: seen.index,

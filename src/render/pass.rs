@@ -99,10 +99,7 @@ pub fn mirror_pass(
         let outer = next.map_or(0, |next| next.prepared.bounce - 1);
         while let Some(mirror) = begun.pop_if(|mirror| mirror.prepared.bounce > outer) {
             let reflection = &mirror.reflection;
-            if reflection.has_late_items()
-                && mirror.reflection.cascades.is_some()
-                && lit != reflection.entity
-            {
+            if reflection.has_late_items() && mirror.must_be_lit(lit) {
                 drop(pass);
                 resources.draw_cascades(mirror, prepared, world, &mut ctx);
                 lit = reflection.entity;
@@ -127,7 +124,7 @@ pub fn mirror_pass(
         let Some(mirror) = next else {
             break;
         };
-        if mirror.reflection.cascades.is_some() && lit != mirror.reflection.entity {
+        if mirror.must_be_lit(lit) {
             drop(pass);
             resources.draw_cascades(mirror, prepared, world, &mut ctx);
             lit = mirror.reflection.entity;
@@ -227,6 +224,13 @@ struct Mirror<'a> {
     /// Of what sees the surfaces.
     viewer_offset: u32,
     reflection: Reflection<'a>,
+}
+
+impl Mirror<'_> {
+    /// Whether its shadow cascades have to be drawn where now those of `lit` are.
+    fn must_be_lit(&self, lit: Entity) -> bool {
+        !self.prepared.cascades.is_empty() && lit != self.prepared.view
+    }
 }
 
 /// The surface of a mirror, all of whose pipelines are there.

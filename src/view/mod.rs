@@ -74,7 +74,7 @@ pub struct ReflectedViews {
     pub planned: Vec<PlannedView>,
     /// The mirrors of all planned views.
     pub surfaces: Vec<Entity>,
-    /// The shadow cascades that the planned views read, grouped by view.
+    /// The shadow cascades that all planned views read.
     pub cascades: Vec<SeenCascade>,
     /// (what sees it, mirror) -> its reflected view, which it may share with others.
     pub entities: HashMap<(Entity, Entity), Entity>,
@@ -128,6 +128,8 @@ pub struct PlannedView {
     pub clip_from_view: Mat4,
     /// The least and the greatest view depth of anything visible. Filled in with `projection`.
     pub depths: DepthRange,
+    /// Which of [`ReflectedViews::cascades`] it reads. Filled in after `depths`.
+    pub cascades: Range<usize>,
     /// What is seen of the mirrors, in pixels.
     pub pixels: f64,
     /// How many objects are visible. Filled in with `projection`.

@@ -81,9 +81,8 @@ pub fn report_figures(views: Res<ReflectedViews>, mut figures: ResMut<MirrorFigu
         views
             .planned
             .iter()
-            .enumerate()
-            .filter(|(_, planned)| planned.entity.is_some())
-            .map(|(index, planned)| ViewFigures {
+            .filter(|planned| planned.entity.is_some())
+            .map(|planned| ViewFigures {
                 camera: planned.camera,
                 mirror: views.surfaces[planned.mirrors.start],
                 mirrors: planned.mirrors.len(),
@@ -92,7 +91,7 @@ pub fn report_figures(views: Res<ReflectedViews>, mut figures: ResMut<MirrorFigu
                 objects: planned.objects,
                 projection: planned.projection,
                 cascades: match planned.shadows {
-                    MirrorShadows::Own => views.cascades.iter().filter(|c| c.view == index).count(),
+                    MirrorShadows::Own => planned.cascades.len(),
                     MirrorShadows::Off => 0,
                 },
             }),

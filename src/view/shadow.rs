@@ -27,8 +27,6 @@ const FILTER_TEXELS: f64 = 5.0;
 
 /// A cascade that something seen in a reflected view reads.
 pub struct SeenCascade {
-    /// Which of [`ReflectedViews::planned`].
-    pub view: usize,
     pub light: Entity,
     /// Which of the light's cascades.
     pub index: usize,
@@ -70,7 +68,9 @@ pub fn narrow_cascades(
         planned, cascades, ..
     } = &mut *views;
     cascades.clear();
-    for (index_of_view, planned) in planned.iter().enumerate() {
+    for planned in planned {
+        let first = cascades.len();
+        planned.cascades = first..first;
         let Some(view) = planned.entity else {
             continue;
         };
@@ -101,13 +101,13 @@ pub fn narrow_cascades(
                     narrow(frustum, cascade, corners, *reach);
                 }
                 cascades.push(SeenCascade {
-                    view: index_of_view,
                     light: entity,
                     index,
                     ndc_bounds: seen.map(|(corners, reach)| map_bounds(cascade, &corners, reach)),
                 });
             }
         }
+        planned.cascades.end = cascades.len();
     }
 }
 

@@ -164,6 +164,7 @@ impl Sight {
                     entity: members.iter().find_map(|seen| viewer.view_of(seen.entity)),
                     projection: Projection::Oblique,
                     depths: DepthRange::EVERYTHING,
+                    cascades: 0..0,
                     pixels: members.iter().map(|seen| seen.pixels).sum(),
                     objects: 0,
                 });

@@ -194,7 +194,7 @@ fn the_reference_puts_a_reflection_where_geometry_says() {
 /// In a reference the lights still see what the camera no longer does.
 #[test]
 fn a_cut_object_throws_its_whole_shadow_in_the_reference() {
-    let scene = super::lighting::shadow_from_behind();
+    let scene = super::shadows::shadow_from_behind();
     let mut studio = Studio::default();
     let shadow = studio.reference(&scene, 0);
     let mut open = scene.clone();
