@@ -20,9 +20,9 @@ use crate::{
     status::{MirrorFigures, MirrorStatus},
     view::{
         MirrorLimits, ReflectedViews, any_reflected_views, apply_reflected_views,
-        clip_reflected_views, decide_reflected_views, disable_reflected_views,
-        enable_reflected_views, narrow_cascades, place_mirrors, report_figures, report_status,
-        some_views_wait,
+        clip_reflected_views, cluster_reflected_views, decide_reflected_views,
+        disable_reflected_views, enable_reflected_views, narrow_cascades, place_mirrors,
+        report_figures, report_status, some_views_wait,
     },
 };
 
@@ -117,6 +117,7 @@ impl Plugin for PlanarMirrorPlugin {
                         place_mirrors.run_if(resource_exists::<Assets<Mesh>>),
                         decide_reflected_views,
                         apply_reflected_views.run_if(any_reflected_views),
+                        cluster_reflected_views.run_if(any_reflected_views),
                     )
                         .chain()
                         .in_set(MirrorSystems::UpdateViews),

@@ -5,7 +5,8 @@ use core::ops::Range;
 use bevy::{
     asset::AssetId,
     camera::Camera3d,
-    ecs::prelude::*,
+    ecs::{prelude::*, schedule::ScheduleLabel},
+    light::cluster::GlobalClusterSettings,
     mesh::{Mesh, Mesh3d},
     render::{
         Extract,
@@ -18,7 +19,12 @@ use bevy::{
 };
 use glam::{Mat4, Vec2};
 
-use crate::{math::depth_error, status::Projection, view::ReflectedViews};
+use super::preprocess::ReflectedCore3d;
+use crate::{
+    math::depth_error,
+    status::Projection,
+    view::{Lamp, ReflectedViews},
+};
 
 /// Every reflection of this frame.
 #[derive(Resource, Default)]
@@ -30,6 +36,8 @@ pub struct ExtractedMirrors {
     pub surfaces: Vec<ExtractedSurface>,
     /// The shadow cascades that all views read, each view's together.
     pub cascades: Vec<ExtractedCascade>,
+    /// The lamps of all views that list them, each view's together.
+    pub lamps: Vec<Lamp>,
 }
 
 /// A reflected view. Entities are those of the render world.
@@ -51,6 +59,8 @@ pub struct ExtractedMirrorView {
     pub ndc_bounds: (Vec2, Vec2),
     /// Which of [`ExtractedMirrors::cascades`] it reads.
     pub cascades: Range<usize>,
+    /// Which of [`ExtractedMirrors::lamps`] are in its only cluster; see [`PlannedView`].
+    pub lamps: Option<Range<usize>>,
     /// By how much the depths that two programs compute for a surface in `viewer` may differ.
     pub depth_noise: f32,
 }
@@ -79,6 +89,7 @@ pub fn extract_mirrors(
     extracted.views.clear();
     extracted.surfaces.clear();
     extracted.cascades.clear();
+    extracted.lamps.clear();
     for (index, planned) in views.planned.iter().enumerate() {
         if planned.viewer.is_none() {
             extract_tree(index, &views, &entities, &mirrors, extracted);
@@ -123,6 +134,18 @@ fn extract_tree(
             ndc_bounds: seen.ndc_bounds,
         })
     }));
+    let first_lamp = extracted.lamps.len();
+    let lamps = planned.lamps.clone().map(|listed| {
+        extracted
+            .lamps
+            .extend(views.lamps[listed].iter().filter_map(|lamp| {
+                Some(Lamp {
+                    light: render_entity(Some(lamp.light))?,
+                    ..*lamp
+                })
+            }));
+        first_lamp..extracted.lamps.len()
+    });
     let (low, high) = planned.ndc_bounds;
     extracted.views.push(ExtractedMirrorView {
         camera,
@@ -134,6 +157,7 @@ fn extract_tree(
         clip_unbounded: planned.clip_unbounded(),
         ndc_bounds: (low.as_vec2(), high.as_vec2()),
         cascades: first_cascade..extracted.cascades.len(),
+        lamps,
         depth_noise: match outer {
             Some(outer) if outer.projection == Projection::Oblique => {
                 depth_error(outer.plan.noise) as f32
@@ -154,7 +178,9 @@ pub fn configure_mirror_views(
     mirrors: Res<ExtractedMirrors>,
     mut views: Query<(&mut ExtractedView, &mut ExtractedCamera, &mut Camera3d)>,
     mut formats: ResMut<CameraMainPassTextureFormats>,
+    clusters: Option<Res<GlobalClusterSettings>>,
 ) {
+    let are_sorted_on_gpu = clusters.is_some_and(|settings| settings.gpu_clustering.is_some());
     for mirror in &mirrors.views {
         let Ok([main, reflected]) = views.get_many_mut([mirror.camera, mirror.view]) else {
             continue;
@@ -167,6 +193,11 @@ pub fn configure_mirror_views(
         // Without a size no depth or transmission texture is made for a view that draws into
         // its camera's.
         camera.physical_target_size = None;
+        // Lamps are sorted on the GPU by a system of the engine's own, which only its own schedule
+        // can run.
+        if mirror.lamps.is_some() || !are_sorted_on_gpu {
+            camera.schedule = ReflectedCore3d.intern();
+        }
         let usages = TextureUsages::from(main_camera.depth_texture_usages);
         main_camera.depth_texture_usages = (usages | TextureUsages::TEXTURE_BINDING).into();
     }

@@ -7,16 +7,20 @@
 //! | shadow maps that no other view draws over | `PrepareResources` | `shadow.rs` |
 //! | what glass in a reflection refracts | `PrepareResources` | `transmission.rs` |
 //! | mask pipelines, textures, bind groups | `PrepareResources`, `PrepareBindGroups` | `mask.rs`, `prepare.rs` |
-//! | mesh uniforms and light clusters of a reflected view | its own `Core3d`, before its camera's | the engine |
+//! | which lamps reach a reflected view | `PrepareViews` | `clusters.rs` |
+//! | mesh uniforms of a reflected view | a schedule of its own, before its camera's | `preprocess.rs` |
+//! | the same, and many lamps sorted | `Core3d` of the reflected view, before its camera's | the engine |
 //! | the mirror pass | `Core3d`, between opaque and transparent | `pass.rs`, `reflection.rs` |
 //!
 //! Every step does nothing while [`ExtractedMirrors`] is empty.
 
+mod clusters;
 mod extract;
 mod mask;
 mod pass;
 mod pixels;
 mod prepare;
+mod preprocess;
 mod reflection;
 mod shadow;
 mod transmission;
@@ -34,7 +38,7 @@ use bevy::{
     render::{ExtractSchedule, GpuResourceAppExt, Render, RenderStartup, RenderSystems},
 };
 
-use self::{extract::ExtractedMirrors, variant::StencilVariants};
+use self::{extract::ExtractedMirrors, preprocess::ReflectedCore3d, variant::StencilVariants};
 use crate::view::{disable_reflected_views, enable_reflected_views};
 
 /// Embeds the shaders, if the app has assets.
@@ -50,12 +54,17 @@ pub fn embed_shaders(app: &mut App) {
 pub fn build_render_app(render_app: &mut SubApp) {
     render_app
         .init_resource::<ExtractedMirrors>()
+        .add_schedule(ReflectedCore3d::schedule())
         .init_gpu_resource::<StencilVariants>()
         .init_gpu_resource::<prepare::MirrorUniforms>()
         .init_gpu_resource::<mask::SpecializedMasks>()
         .add_systems(
             RenderStartup,
-            (mask::init_mirror_pipelines, shadow::init_shadow_pipelines),
+            (
+                mask::init_mirror_pipelines,
+                shadow::init_shadow_pipelines,
+                clusters::forget_lamps,
+            ),
         )
         .add_systems(ExtractSchedule, extract::extract_mirrors)
         .add_systems(
@@ -67,6 +76,9 @@ pub fn build_render_app(render_app: &mut SubApp) {
                     .before(RenderSystems::PrepareAssets),
                 extract::share_jitter
                     .after(RenderSystems::PrepareViews)
+                    .before(RenderSystems::PrepareResources),
+                clusters::list_lamps
+                    .after(RenderSystems::CreateViews)
                     .before(RenderSystems::PrepareResources),
                 variant::vary_material_pipelines
                     .after(RenderSystems::Specialize)

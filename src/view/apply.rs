@@ -3,6 +3,7 @@
 use bevy::{
     camera::{Camera, Camera3d, RenderTarget, primitives::Frustum},
     ecs::{component::Mutable, entity_disabling::Disabled, name::Name, prelude::*},
+    light::cluster::ClusterConfig,
     math::{
         Affine3A,
         primitives::{HalfSpace, ViewFrustum},
@@ -12,10 +13,7 @@ use bevy::{
 };
 use glam::DAffine3;
 
-use super::{
-    PlannedView, ReflectedView, ReflectedViews, clusters::fit_clusters,
-    copy::copy_camera_components,
-};
+use super::{PlannedView, ReflectedView, ReflectedViews, copy::copy_camera_components};
 use crate::math::{Plane, narrowed_sides, reflect_vector};
 
 /// So many views Bevy tells what is in its `VisibilityRange`, and it does not ask us which.
@@ -95,7 +93,6 @@ fn entity_of(
         views.entities.insert((viewer, *mirror), view);
     }
     copy_camera_components(world, camera, view, known.is_none());
-    fit_clusters(world, camera, view, planned.pixels);
     Some((viewer, view))
 }
 
@@ -133,6 +130,7 @@ fn spawn_view(world: &mut World, viewer: Entity, mirror: Entity) -> Entity {
         Name::new(format!("reflected view of {viewer} in {mirror}")),
         ReflectedView,
         Camera3d::default(),
+        ClusterConfig::default(),
         // Its phases are drawn in the user's camera's schedule, where indirect parameters that
         // were prepared for another view are gone.
         NoIndirectDrawing,

@@ -1,10 +1,33 @@
-//! Light clusters of reflected views: no more than the seen part of the mirror is worth, and none
-//! with a corner on the mirror's horizon.
+//! Light clusters of reflected views.
+//!
+//! Where few lamps reach what a view can see, one cluster holds them all, and the engine has nothing
+//! to find out. Else the view has no more clusters than the seen part of the mirror is worth, and
+//! none with a corner on the mirror's horizon. None of that changes a pixel: it decides how many
+//! lamps are looked at in vain, and what it takes to know them.
 
-use bevy::{camera::Camera, ecs::prelude::*, light::cluster::ClusterConfig};
-use glam::{DVec2, UVec2};
+use bevy::{
+    camera::{
+        Camera,
+        primitives::{Frustum, Sphere},
+        visibility::InheritedVisibility,
+    },
+    ecs::{entity_disabling::Disabled, prelude::*},
+    light::{
+        ClusteredDecal, LightProbe, PointLight, SpotLight,
+        cluster::{ClusterConfig, Clusters, GlobalClusterSettings},
+    },
+    transform::components::GlobalTransform,
+};
+use glam::{DVec2, UVec2, Vec3A};
 
-use super::apply::set;
+use super::{ReflectedView, ReflectedViews};
+
+/// Up to so many lamps share one cluster.
+///
+/// A lamp that does not reach a pixel is looked at there in vain. To sort lamps into clusters takes
+/// the engine five passes and half a dozen buffers a view, for which a GPU shades more pixels by
+/// eight lamps than a screen has.
+const MAX_LISTED: usize = 8;
 
 /// So many pixels of a mirror for each cluster, at least.
 ///
@@ -13,19 +36,107 @@ use super::apply::set;
 /// default of 4096 is all of it from 65,536 pixels on.
 const PIXELS_OF_CLUSTER: f64 = 16.0;
 
-/// Gives the view the camera's clusters, fewer if few `pixels` are seen of its mirrors: all of them
-/// are filled, whether they are seen or not. How they are cut changes no pixel, only how many lights
-/// are looked at in vain.
+/// A point or spot light that may reach what is seen in a mirror.
+#[derive(Clone, Copy)]
+pub struct Lamp {
+    pub light: Entity,
+    pub is_spot: bool,
+}
+
+/// All point and spot lights.
+type Lamps<'w, 's, L> = Query<
+    'w,
+    's,
+    (
+        Entity,
+        &'static L,
+        &'static GlobalTransform,
+        &'static InheritedVisibility,
+    ),
+>;
+
+/// Chooses the clusters of every planned view.
+pub fn cluster_reflected_views(
+    mut views: ResMut<ReflectedViews>,
+    cameras: Query<(&Camera, Option<&ClusterConfig>), Without<ReflectedView>>,
+    mut reflected: Query<
+        (&Frustum, &mut ClusterConfig, &mut Clusters),
+        (With<ReflectedView>, Allow<Disabled>),
+    >,
+    points: Lamps<PointLight>,
+    spots: Lamps<SpotLight>,
+    others: Query<(), Or<(With<LightProbe>, With<ClusteredDecal>)>>,
+    settings: Option<Res<GlobalClusterSettings>>,
+) {
+    let ReflectedViews { planned, lamps, .. } = &mut *views;
+    lamps.clear();
+    // Sorting on the CPU looks at the clusters alone. And of what is no lamp only the engine knows
+    // the number.
+    let can_list =
+        settings.is_some_and(|settings| settings.gpu_clustering.is_some()) && others.is_empty();
+    for planned in planned {
+        planned.lamps = None;
+        let (Ok((camera, config)), Some(Ok((frustum, mut own, mut clusters)))) = (
+            cameras.get(planned.camera),
+            planned.entity.map(|view| reflected.get_mut(view)),
+        ) else {
+            continue;
+        };
+        let config = config.copied().unwrap_or_default();
+        // Then the camera sees no lamps, and neither do its mirrors.
+        if matches!(config, ClusterConfig::None) {
+            *own = config;
+            continue;
+        }
+        if can_list {
+            let first = lamps.len();
+            let room = first + MAX_LISTED;
+            let reaches = |at: &GlobalTransform, range: f32| {
+                let sphere = Sphere {
+                    center: Vec3A::from(at.translation()),
+                    radius: range,
+                };
+                frustum.intersects_sphere(&sphere, true)
+            };
+            let seen_points = points
+                .iter()
+                .filter(|(_, lamp, at, visible)| visible.get() && reaches(at, lamp.range))
+                .map(|(light, ..)| Lamp {
+                    light,
+                    is_spot: false,
+                });
+            let seen_spots = spots
+                .iter()
+                .filter(|(_, lamp, at, visible)| visible.get() && reaches(at, lamp.range))
+                .map(|(light, ..)| Lamp {
+                    light,
+                    is_spot: true,
+                });
+            lamps.extend(seen_points.chain(seen_spots).take(MAX_LISTED + 1));
+            if lamps.len() <= room {
+                planned.lamps = Some(first..lamps.len());
+                *own = ClusterConfig::Single;
+                continue;
+            }
+            lamps.truncate(first);
+        }
+        // How far the lamps of the last frame reached. The engine writes 0 before the answer is
+        // there, and would then cut off what is farther, in the second frame of each view.
+        if clusters.last_frame_farthest_z == Some(0.0) {
+            clusters.last_frame_farthest_z = None;
+        }
+        *own = fitted(config, camera, planned.pixels);
+    }
+}
+
+/// The camera's clusters, fewer if few `pixels` are seen of the mirrors: all of them are filled,
+/// whether they are seen or not.
 ///
 /// An odd number of them across and down. The engine finds their corners where the view's rays meet
 /// the near plane, which is the mirror's, and those along its horizon never do. The horizon of a
 /// level camera over a floor is the middle of the picture.
-pub fn fit_clusters(world: &mut World, camera: Entity, view: Entity, pixels: f64) {
-    let config = world.get::<ClusterConfig>(camera).copied();
-    let size = world
-        .get::<Camera>(camera)
-        .and_then(Camera::physical_viewport_size);
-    let fitted = match config.unwrap_or_default() {
+fn fitted(config: ClusterConfig, camera: &Camera, pixels: f64) -> ClusterConfig {
+    match config {
         ClusterConfig::FixedZ {
             total,
             z_slices,
@@ -34,8 +145,9 @@ pub fn fit_clusters(world: &mut World, camera: Entity, view: Entity, pixels: f64
         } => {
             let worth = (pixels / PIXELS_OF_CLUSTER).min(total.into());
             let of_slice = worth / f64::from(z_slices.clamp(1, total.max(1)));
+            let size = camera.physical_viewport_size().unwrap_or(UVec2::ONE);
             ClusterConfig::XYZ {
-                dimensions: square_tiles(of_slice, size.unwrap_or(UVec2::ONE)).extend(z_slices),
+                dimensions: square_tiles(of_slice, size).extend(z_slices),
                 z_config,
                 dynamic_resizing,
             }
@@ -49,9 +161,8 @@ pub fn fit_clusters(world: &mut World, camera: Entity, view: Entity, pixels: f64
             z_config,
             dynamic_resizing,
         },
-        other => other,
-    };
-    set(&mut world.entity_mut(view), fitted);
+        ClusterConfig::None | ClusterConfig::Single => config,
+    }
 }
 
 /// At most `count` tiles across and down a picture, about as wide as high.

@@ -24,7 +24,7 @@ use super::apply::set;
 ///
 /// Not copied is what works on the finished picture (bloom, depth of field, sharpening, ...):
 /// it sees the reflection as part of the camera's own picture. Nor are the light clusters, see
-/// [`fit_clusters`](super::clusters::fit_clusters).
+/// [`cluster_reflected_views`](super::cluster_reflected_views).
 ///
 /// A `fresh` view has default components that nobody chose: everything is copied.
 pub fn copy_camera_components(world: &mut World, camera: Entity, view: Entity, fresh: bool) {

@@ -10,7 +10,8 @@
 //! |---|---|
 //! | fit a plane to each mirror's mesh, and carry it into the world | `fit.rs` |
 //! | decide which camera sees which mirror | `decide.rs`, `sight.rs` |
-//! | bring the entities in line with that | `apply.rs`, `copy.rs`, `clusters.rs` |
+//! | bring the entities in line with that | `apply.rs`, `copy.rs` |
+//! | which lamps reach what is seen | `clusters.rs` |
 //! | after visibility: drop what is behind, choose the projection | `clip.rs` |
 //! | leave out shadows that fall on nothing visible | `shadow.rs` |
 //! | write [`MirrorStatus`](crate::MirrorStatus) | `report.rs` |
@@ -39,6 +40,7 @@ use glam::{DVec2, Mat4};
 
 pub use apply::{apply_reflected_views, disable_reflected_views, enable_reflected_views};
 pub use clip::clip_reflected_views;
+pub use clusters::{Lamp, cluster_reflected_views};
 pub use decide::decide_reflected_views;
 pub use fit::{MirrorPlace, place_mirrors};
 pub use report::{report_figures, report_status};
@@ -76,6 +78,8 @@ pub struct ReflectedViews {
     pub surfaces: Vec<Entity>,
     /// The shadow cascades that all planned views read.
     pub cascades: Vec<SeenCascade>,
+    /// The lamps that may reach what is seen in the views that list them.
+    pub lamps: Vec<Lamp>,
     /// (what sees it, mirror) -> its reflected view, which it may share with others.
     pub entities: HashMap<(Entity, Entity), Entity>,
     /// All entities of reflected views.
@@ -130,6 +134,9 @@ pub struct PlannedView {
     pub depths: DepthRange,
     /// Which of [`ReflectedViews::cascades`] it reads. Filled in after `depths`.
     pub cascades: Range<usize>,
+    /// Which of [`ReflectedViews::lamps`] are in its only cluster; `None` if it has clusters that
+    /// the engine fills. Filled in once its entity is there.
+    pub lamps: Option<Range<usize>>,
     /// What is seen of the mirrors, in pixels.
     pub pixels: f64,
     /// How many objects are visible. Filled in with `projection`.

@@ -165,6 +165,7 @@ impl Sight {
                     projection: Projection::Oblique,
                     depths: DepthRange::EVERYTHING,
                     cascades: 0..0,
+                    lamps: None,
                     pixels: members.iter().map(|seen| seen.pixels).sum(),
                     objects: 0,
                 });

@@ -11,7 +11,10 @@ use bevy::{
     render::render_resource::{Extent3d, TextureDimension, TextureFormat},
 };
 
+use bevy_planar_mirror::PlanarMirror;
+
 use crate::support::{
+    live::{Live, assert_each_seen_at_once, find, of},
     props::{add, at, lamp, lit, six_colors, spot, sun},
     scene::{Scene, Surface},
     studio::{Studio, assert_reflects},
@@ -72,6 +75,66 @@ fn a_sun_without_shadows_lights_the_reflection() {
     assert_reflects(&still_life("sun").prop(sun(false)));
 }
 
+/// A faint lamp that reaches no farther than two units.
+fn candle(place: Vec3) -> impl Bundle + Clone {
+    let light = PointLight {
+        color: Color::srgb(1.0, 0.6, 0.2),
+        intensity: 20_000.0,
+        range: 2.0,
+        ..default()
+    };
+    (light, Transform::from_translation(place))
+}
+
+/// More lamps than one cluster holds.
+fn with_candles(scene: &Scene) -> Scene {
+    (0..9).fold(scene.clone(), |scene, index| {
+        scene.prop(candle(vec3(0.3 * index as f32 - 1.2, 0.6, 0.6)))
+    })
+}
+
+/// From nine lamps on the engine sorts them into clusters.
+#[test]
+fn lamps_that_come_and_go_light_the_reflection_at_once() {
+    let scene = still_life("ninth-lamp").prop(low_spot());
+    let scene = (0..7).fold(scene, |scene, index| {
+        scene.prop(candle(vec3(0.3 * index as f32 - 0.9, 0.6, 0.6)))
+    });
+    let come = |world: &mut World| {
+        world.spawn((Name::new("ninth"), candle(vec3(0.2, 0.2, 0.9))));
+    };
+    let moved = |world: &mut World| {
+        of::<Transform>(world, "ninth").translation = vec3(-0.7, 0.3, 0.7);
+    };
+    let go = |world: &mut World| {
+        let ninth = find(world, "ninth");
+        world.despawn(ninth);
+    };
+    assert_each_seen_at_once(&scene, &[&come, &moved, &go]);
+    let mut more = scene;
+    more.name += "-more";
+    assert_reflects(&more.prop(candle(vec3(0.2, 0.2, 0.9))));
+}
+
+#[test]
+fn a_mirror_that_comes_into_view_among_many_lamps_is_lit_at_once() {
+    let scene = with_candles(&still_life("comes-lit")).prop(low_spot());
+    let expected = Studio::default().picture(&scene);
+    let mut before = scene;
+    before.mirrors[0].transform.translation.z += 50.0;
+    let mut live = Live::new(&before);
+    live.settled();
+    let mut mirrors = live
+        .world()
+        .query_filtered::<&mut Transform, With<PlanarMirror>>();
+    let mut mirror = mirrors.single_mut(live.world()).expect("there is one");
+    mirror.translation.z -= 50.0;
+    for frame in 0..4 {
+        live.next()
+            .assert_same(&expected, &format!("comes-lit-{frame}"));
+    }
+}
+
 /// The middle of the picture is then the floor's horizon, where the near plane of a cut reflection is met by no ray.
 #[test]
 fn lamps_light_what_a_level_camera_sees_in_a_floor() {
@@ -79,21 +142,24 @@ fn lamps_light_what_a_level_camera_sees_in_a_floor() {
         (uvec2(160, 100), None),
         (uvec2(100, 160), None),
         (uvec2(160, 120), Some(uvec3(4, 2, 24))),
-        (uvec2(160, 120), Some(uvec3(1, 2, 1))),
+        (uvec2(160, 120), Some(uvec3(1, 2, 5))),
     ] {
-        let mut scene = still_life(&format!("level-{size}-{clusters:?}"))
+        let mut few = still_life(&format!("level-{size}-{clusters:?}"))
             .eye(vec3(0.0, 1.6, 4.0), vec3(0.0, 1.6, 0.0))
             .prop(low_spot())
             .prop(lamp(vec3(1.0, 2.0, 2.0), false));
-        scene.size = size;
+        few.size = size;
         if let Some(dimensions) = clusters {
-            scene = scene.with_camera(ClusterConfig::XYZ {
+            few = few.with_camera(ClusterConfig::XYZ {
                 dimensions,
                 z_config: default(),
                 dynamic_resizing: false,
             });
         }
-        assert_reflects(&scene);
+        let mut many = with_candles(&few);
+        many.name += "-many";
+        assert_reflects(&few);
+        assert_reflects(&many);
     }
 }
 
