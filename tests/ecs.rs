@@ -6,6 +6,7 @@ mod log;
 
 mod ecs {
     mod app;
+    mod clusters;
     mod flicker;
     mod likeness;
     mod log_lines;

@@ -22,12 +22,18 @@ use glam::{DVec2, UVec2, Vec3A};
 
 use super::{ReflectedView, ReflectedViews};
 
-/// Up to so many lamps share one cluster.
+/// So many lamps share one cluster, whatever the mirror's size.
 ///
-/// A lamp that does not reach a pixel is looked at there in vain. To sort lamps into clusters takes
-/// the engine five passes and half a dozen buffers a view, for which a GPU shades more pixels by
-/// eight lamps than a screen has.
-const MAX_LISTED: usize = 8;
+/// A lamp that does not reach a pixel is looked at there in vain. But to sort lamps into clusters
+/// takes the engine five passes and half a dozen buffers a view.
+const ALWAYS_LISTED: usize = 8;
+
+/// And so many, if few pixels are seen of the mirror.
+const MOST_LISTED: usize = 32;
+
+/// How often a lamp may be looked at, over all pixels of a mirror. A GPU of any kind does that in a
+/// fraction of a millisecond.
+const LOOKS: f64 = (1 << 22) as f64;
 
 /// So many pixels of a mirror for each cluster, at least.
 ///
@@ -90,7 +96,7 @@ pub fn cluster_reflected_views(
         }
         if can_list {
             let first = lamps.len();
-            let room = first + MAX_LISTED;
+            let most = most_listed(planned.pixels);
             let reaches = |at: &GlobalTransform, range: f32| {
                 let sphere = Sphere {
                     center: Vec3A::from(at.translation()),
@@ -112,8 +118,8 @@ pub fn cluster_reflected_views(
                     light,
                     is_spot: true,
                 });
-            lamps.extend(seen_points.chain(seen_spots).take(MAX_LISTED + 1));
-            if lamps.len() <= room {
+            lamps.extend(seen_points.chain(seen_spots).take(most + 1));
+            if lamps.len() - first <= most {
                 planned.lamps = Some(first..lamps.len());
                 *own = ClusterConfig::Single;
                 continue;
@@ -127,6 +133,12 @@ pub fn cluster_reflected_views(
         }
         *own = fitted(config, camera, planned.pixels);
     }
+}
+
+/// How many lamps one cluster may hold.
+fn most_listed(pixels: f64) -> usize {
+    // Saturates: of no pixels it is any number.
+    ((LOOKS / pixels) as usize).clamp(ALWAYS_LISTED, MOST_LISTED)
 }
 
 /// The camera's clusters, fewer if few `pixels` are seen of the mirrors: all of them are filled,

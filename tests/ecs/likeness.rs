@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use bevy::{
     camera::{Exposure, RenderTarget, SubCameraView, Viewport, visibility::RenderLayers},
-    light::{CascadeShadowConfigBuilder, Cascades, cluster::ClusterConfig},
+    light::{CascadeShadowConfigBuilder, Cascades},
     prelude::*,
     render::view::Msaa,
 };
@@ -236,63 +236,6 @@ fn a_view_has_a_place_but_no_transform_of_its_own() {
     assert!(view.contains::<GlobalTransform>());
     assert!(!view.contains::<Transform>());
     assert!(!view.contains::<ChildOf>());
-}
-
-fn clusters(x: u32, y: u32, z: u32) -> ClusterConfig {
-    ClusterConfig::XYZ {
-        dimensions: uvec3(x, y, z),
-        z_config: default(),
-        dynamic_resizing: false,
-    }
-}
-
-fn dimensions(config: &ClusterConfig) -> UVec3 {
-    match config {
-        ClusterConfig::Single => UVec3::ONE,
-        ClusterConfig::XYZ { dimensions, .. } => *dimensions,
-        other => panic!("{other:?}"),
-    }
-}
-
-/// A cluster costs the same whether it is seen or not.
-#[test]
-fn a_view_has_no_more_light_clusters_than_its_mirror_is_worth() {
-    let mut app = mirror_app();
-    let (mirror, camera) = (app.spawn_mirror(default()), app.spawn_camera(EYE));
-    let mut last = UVec3::ZERO;
-    for scale in [0.02, 0.2, 1.0, 3.0] {
-        app.of_mut::<Transform>(mirror).scale = Vec3::splat(scale);
-        app.update();
-        let pixels = app.world().resource::<MirrorFigures>().views[0].pixels as u32;
-        let view = app.view(camera, mirror);
-        let own = dimensions(app.of::<ClusterConfig>(view));
-        assert_eq!(own.z, 24, "the engine's default");
-        assert!(own.cmpge(last).all(), "{own} after {last}");
-        let worth = pixels / 16;
-        assert!(own.element_product() <= own.z.max(worth), "{own}");
-        assert!(own.element_product() * 3 > worth, "{own}");
-        last = own;
-    }
-    assert!(last.x > last.y, "as the picture is wider than high");
-}
-
-/// One of an even number would begin at the middle of the picture, where the horizon of a floor is.
-#[test]
-fn a_view_has_an_odd_number_of_light_clusters_across_and_down() {
-    let mut app = mirror_app();
-    let (mirror, camera) = (app.spawn_mirror(default()), app.spawn_camera(EYE));
-    for (config, expected) in [
-        (ClusterConfig::Single, uvec3(1, 1, 1)),
-        (clusters(9, 7, 4), uvec3(9, 7, 4)),
-        (clusters(8, 6, 5), uvec3(7, 5, 5)),
-        (clusters(2, 1, 1), uvec3(1, 1, 1)),
-        (clusters(0, 0, 1), uvec3(1, 1, 1)),
-    ] {
-        app.insert(camera, config);
-        app.update();
-        let view = app.view(camera, mirror);
-        assert_eq!(dimensions(app.of::<ClusterConfig>(view)), expected);
-    }
 }
 
 #[test]
