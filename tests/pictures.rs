@@ -20,6 +20,7 @@ mod pictures {
     mod hard_cases;
     mod harness;
     mod idle;
+    mod indirect;
     mod leftovers;
     mod lighting;
     mod looks;

@@ -4,9 +4,10 @@ use core::ops::Range;
 
 use bevy::{
     asset::AssetId,
-    camera::Camera3d,
+    camera::{Camera3d, primitives::Frustum},
     ecs::{prelude::*, schedule::ScheduleLabel},
     light::cluster::GlobalClusterSettings,
+    math::primitives::HalfSpace,
     mesh::{Mesh, Mesh3d},
     render::{
         Extract,
@@ -17,7 +18,7 @@ use bevy::{
     },
     transform::components::GlobalTransform,
 };
-use glam::{Mat4, Vec2};
+use glam::{Mat4, Vec2, Vec3};
 
 use super::preprocess::ReflectedCore3d;
 use crate::{
@@ -177,6 +178,7 @@ fn extract_tree(
 pub fn configure_mirror_views(
     mirrors: Res<ExtractedMirrors>,
     mut views: Query<(&mut ExtractedView, &mut ExtractedCamera, &mut Camera3d)>,
+    mut frusta: Query<&mut Frustum>,
     mut formats: ResMut<CameraMainPassTextureFormats>,
     clusters: Option<Res<GlobalClusterSettings>>,
 ) {
@@ -197,6 +199,13 @@ pub fn configure_mirror_views(
         // can run.
         if mirror.lamps.is_some() || !are_sorted_on_gpu {
             camera.schedule = ReflectedCore3d.intern();
+        }
+        // What is to be seen was found out on the CPU. The GPU would take what has no bounds for a
+        // point, and there is much that a frustum so narrow holds only in part.
+        if let Ok(mut frustum) = frusta.get_mut(mirror.view) {
+            for half_space in &mut frustum.half_spaces {
+                *half_space = HalfSpace::new(Vec3::Z.extend(f32::INFINITY));
+            }
         }
         let usages = TextureUsages::from(main_camera.depth_texture_usages);
         main_camera.depth_texture_usages = (usages | TextureUsages::TEXTURE_BINDING).into();

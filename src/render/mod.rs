@@ -8,8 +8,8 @@
 //! | what glass in a reflection refracts | `PrepareResources` | `transmission.rs` |
 //! | mask pipelines, textures, bind groups | `PrepareResources`, `PrepareBindGroups` | `mask.rs`, `prepare.rs` |
 //! | which lamps reach a reflected view | `PrepareViews` | `clusters.rs` |
-//! | mesh uniforms of a reflected view | a schedule of its own, before its camera's | `preprocess.rs` |
-//! | the same, and many lamps sorted | `Core3d` of the reflected view, before its camera's | the engine |
+//! | many lamps sorted | `Core3d` of a reflected view, before its camera's | the engine |
+//! | mesh uniforms and indirect parameters | `Core3d`, before the passes | `preprocess.rs` |
 //! | the mirror pass | `Core3d`, between opaque and transparent | `pass.rs`, `reflection.rs` |
 //!
 //! Every step does nothing while [`ExtractedMirrors`] is empty.
@@ -34,11 +34,18 @@ use bevy::{
         schedule::{Core3d, Core3dSystems},
     },
     ecs::prelude::*,
-    pbr::{main_transmissive_pass_3d, prepare_lights},
+    pbr::{
+        early_gpu_preprocess, early_prepass_build_indirect_parameters, main_transmissive_pass_3d,
+        prepare_lights,
+    },
     render::{ExtractSchedule, GpuResourceAppExt, Render, RenderStartup, RenderSystems},
 };
 
-use self::{extract::ExtractedMirrors, preprocess::ReflectedCore3d, variant::StencilVariants};
+use self::{
+    extract::ExtractedMirrors,
+    preprocess::{PreprocessReflection, ReflectedCore3d},
+    variant::StencilVariants,
+};
 use crate::view::{disable_reflected_views, enable_reflected_views};
 
 /// Embeds the shaders, if the app has assets.
@@ -54,7 +61,8 @@ pub fn embed_shaders(app: &mut App) {
 pub fn build_render_app(render_app: &mut SubApp) {
     render_app
         .init_resource::<ExtractedMirrors>()
-        .add_schedule(ReflectedCore3d::schedule())
+        .add_schedule(Schedule::new(ReflectedCore3d))
+        .add_schedule(PreprocessReflection::schedule())
         .init_gpu_resource::<StencilVariants>()
         .init_gpu_resource::<prepare::MirrorUniforms>()
         .init_gpu_resource::<mask::SpecializedMasks>()
@@ -103,6 +111,14 @@ pub fn build_render_app(render_app: &mut SubApp) {
             prepare::forget_mirrors
                 .in_set(RenderSystems::PrepareResources)
                 .run_if(any_with_component::<prepare::ViewMirrors>),
+        )
+        .add_systems(
+            Core3d,
+            (ApplyDeferred, preprocess::preprocess_reflections)
+                .chain()
+                .after(early_gpu_preprocess)
+                .before(early_prepass_build_indirect_parameters)
+                .run_if(preprocess::shows_mirrors),
         )
         .add_systems(
             Core3d,

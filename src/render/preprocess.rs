@@ -1,22 +1,26 @@
-//! What a reflected view needs of the engine's render schedule: its mesh uniforms.
+//! The mesh uniforms of reflected views, and what is drawn of them indirectly.
 //!
-//! Of `Core3d` nearly everything looks for a picture to draw into, which a reflected view has not.
-//! To find that out some seventy times a view takes longer than the little that is to do.
+//! Of the engine's `Core3d` this is all that a reflected view needs; nearly everything else in it
+//! looks for a picture to draw into, seventy times a view. And it has to be in the `Core3d` of the
+//! camera that draws the view: there the indirect parameters of all views are cleared first, and
+//! built from what was counted in between.
 
 use bevy::{
-    ecs::schedule::{
-        IntoScheduleConfigs, Schedule, ScheduleLabel, SingleThreadedExecutor,
-        common_conditions::resource_exists,
+    ecs::{
+        prelude::*,
+        schedule::{ScheduleLabel, SingleThreadedExecutor},
     },
     pbr::{PreprocessPipelines, early_gpu_preprocess, unpack_bins},
+    render::renderer::CurrentView,
 };
 
-/// The schedule of a reflected view whose lamps are listed.
-#[derive(ScheduleLabel, Clone, Debug, Default, PartialEq, Eq, Hash)]
-pub struct ReflectedCore3d;
+use super::prepare::ViewMirrors;
 
-impl ReflectedCore3d {
-    /// Runs the engine's own systems, one after the other.
+/// Runs the engine's own systems for one reflected view.
+#[derive(ScheduleLabel, Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub struct PreprocessReflection;
+
+impl PreprocessReflection {
     pub fn schedule() -> Schedule {
         let mut schedule = Schedule::new(Self);
         schedule
@@ -29,4 +33,33 @@ impl ReflectedCore3d {
             );
         schedule
     }
+}
+
+/// What the engine runs for a reflected view as for any camera: nothing.
+#[derive(ScheduleLabel, Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub struct ReflectedCore3d;
+
+/// Whether the camera that is being drawn shows mirrors.
+pub fn shows_mirrors(
+    view: Option<Res<CurrentView>>,
+    mirrors: Query<(), With<ViewMirrors>>,
+) -> bool {
+    view.is_some_and(|view| mirrors.contains(view.0))
+}
+
+/// `Core3d` of a camera, between the engine's own preprocessing and what it builds of that. Commands
+/// of what came before must have been applied: those of these views come next.
+pub fn preprocess_reflections(world: &mut World) {
+    let Some(&CurrentView(camera)) = world.get_resource() else {
+        return;
+    };
+    let Some(mirrors) = world.get::<ViewMirrors>(camera) else {
+        return;
+    };
+    let views: Vec<Entity> = mirrors.mirrors.iter().map(|mirror| mirror.view).collect();
+    for view in views {
+        world.insert_resource(CurrentView(view));
+        world.run_schedule(PreprocessReflection);
+    }
+    world.insert_resource(CurrentView(camera));
 }

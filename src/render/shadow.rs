@@ -19,6 +19,7 @@ use bevy::{
     log::error,
     pbr::{LightEntity, Shadow, ShadowView, ViewLightEntities, ViewShadowBindings},
     render::{
+        occlusion_culling::{OcclusionCulling, OcclusionCullingSubview},
         render_phase::ViewBinnedRenderPhases,
         render_resource::{
             BindGroup, BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries,
@@ -151,7 +152,10 @@ pub fn prepare_mirror_shadows(
             continue;
         }
         for light_view in &lights_of_view.lights {
-            commands.entity(*light_view).remove::<ShadowView>();
+            // Nor is anything left out that was hidden in another picture.
+            commands
+                .entity(*light_view)
+                .remove::<(ShadowView, OcclusionCulling, OcclusionCullingSubview)>();
         }
         let (texture, view) = own.get_or_insert_with(|| {
             let shared = &binding.directional_light_depth_texture;

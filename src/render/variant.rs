@@ -300,9 +300,17 @@ fn rekey<I: BinnedPhaseItem>(
         let mut varied = set.clone();
         !vary(pipeline(&mut varied)) || varied != *set
     };
+    let change_multidrawable = phase.multidrawable_meshes.keys().any(&mut changes);
     let change_batchable = phase.batchable_meshes.keys().any(|(set, _)| changes(set));
     let change_unbatchable = phase.unbatchable_meshes.keys().any(|(set, _)| changes(set));
     let change_others = phase.non_mesh_items.keys().any(|(set, _)| changes(set));
+    if change_multidrawable {
+        let old = core::mem::take(&mut phase.multidrawable_meshes);
+        let varied = old
+            .into_iter()
+            .filter_map(|(mut set, bins)| vary(pipeline(&mut set)).then_some((set, bins)));
+        phase.multidrawable_meshes.extend(varied);
+    }
     if change_batchable {
         rekey_bins(&mut phase.batchable_meshes, &pipeline, vary);
     }

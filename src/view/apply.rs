@@ -81,7 +81,7 @@ fn entity_of(
     let known = planned
         .entity
         .filter(|view| is_free(view) && world.get_entity(*view).is_ok());
-    let view = known.unwrap_or_else(|| spawn_view(world, viewer, mirrors[0]));
+    let view = known.unwrap_or_else(|| spawn_view(world, camera, viewer, mirrors[0]));
     // Observers of new cameras have run by now, and may have despawned either.
     let alive = |entity| world.get_entity(entity).is_ok();
     let is_wanted = alive(camera) && alive(viewer) && alive(view);
@@ -123,18 +123,20 @@ fn for_each_view(world: &mut World, change: impl Fn(&mut EntityWorldMut)) {
     world.resource_mut::<ReflectedViews>().alive = alive;
 }
 
-fn spawn_view(world: &mut World, viewer: Entity, mirror: Entity) -> Entity {
-    let view = world.spawn((
+fn spawn_view(world: &mut World, camera: Entity, viewer: Entity, mirror: Entity) -> Entity {
+    let is_direct = world.get::<NoIndirectDrawing>(camera).is_some();
+    let mut view = world.spawn((
         // From the start, so that an observer that looks up what was added by a query finds nothing.
         Disabled,
         Name::new(format!("reflected view of {viewer} in {mirror}")),
         ReflectedView,
         Camera3d::default(),
         ClusterConfig::default(),
-        // Its phases are drawn in the user's camera's schedule, where indirect parameters that
-        // were prepared for another view are gone.
-        NoIndirectDrawing,
     ));
+    // Drawn as its camera is; the engine allows of no change later.
+    if is_direct {
+        view.insert(NoIndirectDrawing);
+    }
     let view = view.id();
     if let Ok(mut view) = world.get_entity_mut(view) {
         // Its place is computed, not propagated.

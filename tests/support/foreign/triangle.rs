@@ -28,7 +28,7 @@ use bevy::{
             SpecializedRenderPipeline, SpecializedRenderPipelines, TextureFormat,
         },
         sync_world::MainEntity,
-        view::{ExtractedView, NoIndirectDrawing, RetainedViewEntity},
+        view::{ExtractedView, RetainedViewEntity, ViewTarget},
     },
     shader::Shader,
 };
@@ -201,19 +201,20 @@ struct Views<'w, 's> {
     pipelines: ResMut<'w, SpecializedRenderPipelines<TrianglePipeline>>,
     cache: Res<'w, PipelineCache>,
     keys: Res<'w, ViewKeyCache>,
-    views: Query<'w, 's, (&'static ExtractedView, Has<NoIndirectDrawing>)>,
+    views: Query<'w, 's, (&'static ExtractedView, Has<ViewTarget>)>,
 }
 
 impl Views<'_, '_> {
     /// Every view that draws meshes, its key, and the triangle's pipeline in it.
     fn each(&mut self) -> Vec<(RetainedViewEntity, MeshPipelineKey, CachedRenderPipelineId)> {
-        let views = self.views.iter().filter_map(|(view, direct)| {
+        let views = self.views.iter().filter_map(|(view, is_seen)| {
             let id = view.retained_view_entity;
             let key = *self.keys.get(&id)?;
-            let misfit = if direct {
-                self.pipeline.triangle.misfit
-            } else {
+            // A view without a picture of its own is a reflected one.
+            let misfit = if is_seen {
                 Misfit::None
+            } else {
+                self.pipeline.triangle.misfit
             };
             let pipelines = &mut self.pipelines;
             let pipeline = pipelines.specialize(&self.cache, &self.pipeline, (key, misfit));
