@@ -94,11 +94,12 @@
 //! `planar_mirror_pass` of Bevy's render diagnostics. With the feature `debug` gizmos show the
 //! visible part of each mirror and the frustum behind it, in which objects are looked for.
 //!
-//! A mirror costs what is seen in it: its pixels, the objects that show, light clusters for so many
-//! pixels, and of the directional shadows those that fall on what shows, which
-//! [`MirrorShadows::Off`] spares. Mirrors in one plane share a view, so that a floor of tiles costs
-//! as one mirror. A mirror that is hidden by what stands before it is not told from one that is
-//! seen, but none of its pixels are shaded.
+//! A mirror costs what is seen in it: its pixels, the objects that show, and of the directional
+//! shadows those that fall on what shows, which [`MirrorShadows::Off`] spares. Where no more than
+//! eight lamps reach what shows, or 32 of a small mirror, they need no light clusters; with a light
+//! probe or a clustered decal anywhere in the world they do. Mirrors in one plane share a view, so
+//! that a floor of tiles costs as one mirror. A mirror that is hidden by what stands before it is
+//! not told from one that is seen, but none of its pixels are shaded.
 //!
 //! # Mirrors in mirrors
 //!

@@ -55,6 +55,11 @@
 //! Nothing was lost at 1e3 and 1e7 units. The same variable with `--test pictures precision`
 //! measures that.
 //!
+//! An NVIDIA H200 is less exact where the depth of a large triangle slopes, as it does in every
+//! oblique projection: the nearer panel was seen at the promised distance in 31 of the 33 cases,
+//! from four times as far apart on in the other two, and at a 64th in 19. The bound is that of the
+//! vertices; no standard bounds what is interpolated between them.
+//!
 //! # Errors
 //!
 //! Nothing here panics. What cannot be answered is `None` or a named reason; not a number and

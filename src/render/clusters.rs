@@ -73,8 +73,8 @@ impl ListedLamps {
         // probes; irradiance volumes, decals, nothing, nothing.
         if let Some(BindingResource::Buffer(cluster)) = bindings.offsets_and_counts_binding() {
             let spot_count = self.lamps.len() - self.point_count;
-            let cluster_of = [0, self.point_count as u32, spot_count as u32, 0, 0, 0, 0, 0];
-            let bytes: Vec<u8> = cluster_of.into_iter().flat_map(u32::to_le_bytes).collect();
+            let counts = [0, self.point_count as u32, spot_count as u32, 0, 0, 0, 0, 0];
+            let bytes: Vec<u8> = counts.into_iter().flat_map(u32::to_le_bytes).collect();
             queue.write_buffer(cluster.buffer, cluster.offset, &bytes);
         }
         bindings

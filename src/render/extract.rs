@@ -200,8 +200,8 @@ pub fn configure_mirror_views(
         if mirror.lamps.is_some() || !are_sorted_on_gpu {
             camera.schedule = ReflectedCore3d.intern();
         }
-        // What is to be seen was found out on the CPU. The GPU would take what has no bounds for a
-        // point, and there is much that a frustum so narrow holds only in part.
+        // What is to be seen was found out on the CPU. The GPU would do it again, and take what has
+        // no bounds for a point, which so narrow a frustum often does not hold.
         if let Ok(mut frustum) = frusta.get_mut(mirror.view) {
             for half_space in &mut frustum.half_spaces {
                 *half_space = HalfSpace::new(Vec3::Z.extend(f32::INFINITY));

@@ -97,28 +97,9 @@ pub fn cluster_reflected_views(
         if can_list {
             let first = lamps.len();
             let most = most_listed(planned.pixels);
-            let reaches = |at: &GlobalTransform, range: f32| {
-                let sphere = Sphere {
-                    center: Vec3A::from(at.translation()),
-                    radius: range,
-                };
-                frustum.intersects_sphere(&sphere, true)
-            };
-            let seen_points = points
-                .iter()
-                .filter(|(_, lamp, at, visible)| visible.get() && reaches(at, lamp.range))
-                .map(|(light, ..)| Lamp {
-                    light,
-                    is_spot: false,
-                });
-            let seen_spots = spots
-                .iter()
-                .filter(|(_, lamp, at, visible)| visible.get() && reaches(at, lamp.range))
-                .map(|(light, ..)| Lamp {
-                    light,
-                    is_spot: true,
-                });
-            lamps.extend(seen_points.chain(seen_spots).take(most + 1));
+            let points = reaching(&points, frustum, |lamp| lamp.range, false);
+            let spots = reaching(&spots, frustum, |lamp| lamp.range, true);
+            lamps.extend(points.chain(spots).take(most + 1));
             if lamps.len() - first <= most {
                 planned.lamps = Some(first..lamps.len());
                 *own = ClusterConfig::Single;
@@ -133,6 +114,24 @@ pub fn cluster_reflected_views(
         }
         *own = fitted(config, camera, planned.pixels);
     }
+}
+
+/// The lamps that may reach something in the frustum: no part of a spot's light is farther than its
+/// range either.
+fn reaching<L: Component>(
+    lamps: &Lamps<L>,
+    frustum: &Frustum,
+    range: fn(&L) -> f32,
+    is_spot: bool,
+) -> impl Iterator<Item = Lamp> {
+    lamps.iter().filter_map(move |(light, lamp, at, visible)| {
+        let sphere = Sphere {
+            center: Vec3A::from(at.translation()),
+            radius: range(lamp),
+        };
+        let reaches = visible.get() && frustum.intersects_sphere(&sphere, true);
+        reaches.then_some(Lamp { light, is_spot })
+    })
 }
 
 /// How many lamps one cluster may hold.

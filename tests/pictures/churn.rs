@@ -13,14 +13,12 @@ use bevy::{
 use bevy_planar_mirror::{MirrorClip, MirrorStatus, NoMirrors, PlanarMirror};
 
 use crate::support::{
+    count::count,
     props::{BLUE, GREEN, RED, YELLOW, glass, lamp, lit, sun},
     random::Random,
     stage::Stage,
     studio::clear,
 };
-
-/// Of a round; there are two.
-const FRAMES: usize = 100;
 
 /// What there was of a round, and what is left when everything of it has been despawned.
 #[derive(Debug, PartialEq)]
@@ -34,7 +32,8 @@ struct Round {
 fn round(stage: &mut Stage) -> Round {
     let mut states = BTreeSet::new();
     let mut churn = Churn::new(stage);
-    for _ in 0..FRAMES {
+    // There are two rounds.
+    for _ in 0..count(100, 1000) {
         churn.change();
         churn.stage.frame();
         states.extend(churn.states());
