@@ -37,12 +37,11 @@ pub fn signed_distance_range(plane: &Plane, center: DVec3, half_axes: [DVec3; 3]
 /// An unknown range (not a number) straddles: it is drawn, and cut.
 #[inline]
 pub fn classify((least, greatest): (f64, f64), tolerance: f64) -> Side {
-    if greatest <= tolerance {
-        Side::Behind
-    } else if least >= -tolerance {
-        Side::InFront
-    } else {
-        Side::Straddling
+    // Both comparisons at once: which of them holds is not to be predicted.
+    match (greatest <= tolerance, least >= -tolerance) {
+        (true, _) => Side::Behind,
+        (false, true) => Side::InFront,
+        (false, false) => Side::Straddling,
     }
 }
 
