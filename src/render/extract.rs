@@ -177,8 +177,12 @@ fn extract_tree(
 /// the camera's depth.
 pub fn configure_mirror_views(
     mirrors: Res<ExtractedMirrors>,
-    mut views: Query<(&mut ExtractedView, &mut ExtractedCamera, &mut Camera3d)>,
-    mut frusta: Query<&mut Frustum>,
+    mut views: Query<(
+        &mut ExtractedView,
+        &mut ExtractedCamera,
+        &mut Camera3d,
+        Option<&mut Frustum>,
+    )>,
     mut formats: ResMut<CameraMainPassTextureFormats>,
     clusters: Option<Res<GlobalClusterSettings>>,
 ) {
@@ -187,8 +191,8 @@ pub fn configure_mirror_views(
         let Ok([main, reflected]) = views.get_many_mut([mirror.camera, mirror.view]) else {
             continue;
         };
-        let (main_view, _, mut main_camera) = main;
-        let (mut view, mut camera, _) = reflected;
+        let (main_view, _, mut main_camera, _) = main;
+        let (mut view, mut camera, _, frustum) = reflected;
         view.target_format = main_view.target_format;
         view.clip_from_view = mirror.clip_from_view;
         formats.insert(mirror.view, main_view.target_format);
@@ -202,7 +206,7 @@ pub fn configure_mirror_views(
         }
         // What is to be seen was found out on the CPU. The GPU would do it again, and take what has
         // no bounds for a point, which so narrow a frustum often does not hold.
-        if let Ok(mut frustum) = frusta.get_mut(mirror.view) {
+        if let Some(mut frustum) = frustum {
             for half_space in &mut frustum.half_spaces {
                 *half_space = HalfSpace::new(Vec3::Z.extend(f32::INFINITY));
             }

@@ -1,7 +1,7 @@
 //! The mesh uniforms of reflected views, and what is drawn of them indirectly.
 //!
 //! Of the engine's `Core3d` this is all that a reflected view needs; nearly everything else in it
-//! looks for a picture to draw into, seventy times a view. And it has to be in the `Core3d` of the
+//! looks for a picture to draw into, and finds none. And it has to be in the `Core3d` of the
 //! camera that draws the view: there the indirect parameters of all views are cleared first, and
 //! built from what was counted in between.
 

@@ -305,35 +305,40 @@ fn rekey<I: BinnedPhaseItem>(
     let change_unbatchable = phase.unbatchable_meshes.keys().any(|(set, _)| changes(set));
     let change_others = phase.non_mesh_items.keys().any(|(set, _)| changes(set));
     if change_multidrawable {
-        let old = core::mem::take(&mut phase.multidrawable_meshes);
-        let varied = old
-            .into_iter()
-            .filter_map(|(mut set, bins)| vary(pipeline(&mut set)).then_some((set, bins)));
-        phase.multidrawable_meshes.extend(varied);
+        rekey_bins(&mut phase.multidrawable_meshes, &pipeline, vary);
     }
     if change_batchable {
-        rekey_bins(&mut phase.batchable_meshes, &pipeline, vary);
+        rekey_bins(
+            &mut phase.batchable_meshes,
+            |key| pipeline(&mut key.0),
+            vary,
+        );
     }
     if change_unbatchable {
-        rekey_bins(&mut phase.unbatchable_meshes, &pipeline, vary);
+        rekey_bins(
+            &mut phase.unbatchable_meshes,
+            |key| pipeline(&mut key.0),
+            vary,
+        );
     }
     if change_others {
-        rekey_bins(&mut phase.non_mesh_items, &pipeline, vary);
+        rekey_bins(&mut phase.non_mesh_items, |key| pipeline(&mut key.0), vary);
     }
 }
 
 /// Keeps the order, by which batches find their bins.
-fn rekey_bins<M, S, B, V>(
+fn rekey_bins<M, K, V>(
     bins: &mut M,
-    pipeline: impl Fn(&mut S) -> &mut CachedRenderPipelineId,
+    pipeline: impl Fn(&mut K) -> &mut CachedRenderPipelineId,
     vary: &mut impl FnMut(&mut CachedRenderPipelineId) -> bool,
 ) where
-    M: Default + IntoIterator<Item = ((S, B), V)> + Extend<((S, B), V)>,
+    M: Default + IntoIterator<Item = (K, V)> + Extend<(K, V)>,
 {
     let old = core::mem::take(bins);
-    bins.extend(old.into_iter().filter_map(|((mut set, bin), value)| {
-        vary(pipeline(&mut set)).then_some(((set, bin), value))
-    }));
+    bins.extend(
+        old.into_iter()
+            .filter_map(|(mut key, value)| vary(pipeline(&mut key)).then_some((key, value))),
+    );
 }
 
 /// Replaces the skybox pipeline of reflected views.

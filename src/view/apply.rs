@@ -125,7 +125,7 @@ fn for_each_view(world: &mut World, change: impl Fn(&mut EntityWorldMut)) {
 
 fn spawn_view(world: &mut World, camera: Entity, viewer: Entity, mirror: Entity) -> Entity {
     let is_direct = world.get::<NoIndirectDrawing>(camera).is_some();
-    let mut view = world.spawn((
+    let view = world.spawn((
         // From the start, so that an observer that looks up what was added by a query finds nothing.
         Disabled,
         Name::new(format!("reflected view of {viewer} in {mirror}")),
@@ -133,14 +133,14 @@ fn spawn_view(world: &mut World, camera: Entity, viewer: Entity, mirror: Entity)
         Camera3d::default(),
         ClusterConfig::default(),
     ));
-    // Drawn as its camera is; the engine allows of no change later.
-    if is_direct {
-        view.insert(NoIndirectDrawing);
-    }
     let view = view.id();
     if let Ok(mut view) = world.get_entity_mut(view) {
         // Its place is computed, not propagated.
         view.remove::<Transform>();
+        // Drawn as its camera is; the engine allows of no change later.
+        if is_direct {
+            view.insert(NoIndirectDrawing);
+        }
     }
     view
 }

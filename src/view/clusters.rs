@@ -31,8 +31,8 @@ const ALWAYS_LISTED: usize = 8;
 /// And so many, if few pixels are seen of the mirror.
 const MOST_LISTED: usize = 32;
 
-/// How often a lamp may be looked at, over all pixels of a mirror. A GPU of any kind does that in a
-/// fraction of a millisecond.
+/// How often lamps may be looked at, over all pixels of a mirror: as often as all pixels of a screen
+/// of 2 million look at two of them.
 const LOOKS: f64 = (1 << 22) as f64;
 
 /// So many pixels of a mirror for each cluster, at least.
