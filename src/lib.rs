@@ -175,7 +175,8 @@
 //!   left out of it, and a material that reads a prepass without asking for one fails to compile.
 //! - While something crosses the plane, an orthographic camera's reflection has its highlights in
 //!   the wrong place: the engine reads the direction of such a view from the depth row, which then
-//!   is the mirror's. [`MirrorClip::Whole`] avoids that, at the price of the cut.
+//!   is the mirror's. Nor does the camera's far plane cut what crosses it, since there is no depth
+//!   left for that. [`MirrorClip::Whole`] avoids both, at the price of the cut.
 //! - At most [`max_views`](PlanarMirrorPlugin::max_views) reflections show in one camera, by default
 //!   255; of more, those that cover most of the screen. Mirrors in one plane share one.
 

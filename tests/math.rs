@@ -2,7 +2,7 @@
 
 #[path = "support/count.rs"]
 mod count;
-#[path = "math/extremes.rs"]
+#[path = "support/extremes.rs"]
 mod extremes;
 #[path = "math/fitting.rs"]
 mod fitting;

@@ -21,9 +21,13 @@ pub struct Args {
     #[argh(switch)]
     list: bool,
 
-    /// only this scene; may be given several times
+    /// only this scene; may be given several times. random-0, random-1 and so on are random scenes
     #[argh(option)]
     scene: Vec<String>,
+
+    /// only so many random scenes, at the extremes of what a scene can be
+    #[argh(option, from_str_fn(random))]
+    random: Option<u64>,
 
     /// height of the pictures in pixels (360, or 144 with --quick); each scene has its own ratio
     #[argh(option, from_str_fn(size))]
@@ -75,29 +79,22 @@ pub fn parse() -> Result<Plan, ExitCode> {
 
 impl Args {
     fn plan(self) -> Result<Plan, String> {
-        let all = scenes::all();
+        let mut cases = Vec::new();
         for name in &self.scene {
-            if !all.iter().any(|case| case.name == name) {
-                return Err(format!("--scene: there is no {name:?}; --list lists them"));
-            }
+            let none = || format!("--scene: there is no {name:?}; --list lists them");
+            cases.push(scenes::named(name).ok_or_else(none)?);
         }
-        let wanted = |case: &Case| {
-            if self.scene.is_empty() {
-                case.quick || !self.quick
-            } else {
-                self.scene.iter().any(|name| name == case.name)
-            }
-        };
+        cases.extend((0..self.random.unwrap_or(0)).map(scenes::random));
+        if cases.is_empty() {
+            cases = scenes::all();
+            cases.retain(|case| case.quick || !self.quick);
+        }
         let or = |value: Option<u32>, quick, full| {
             value.unwrap_or(if self.quick { quick } else { full })
         };
         let height = or(self.size, 144, 360);
         Ok(Plan {
-            cases: all
-                .into_iter()
-                .filter(wanted)
-                .map(|case| case.sized(height))
-                .collect(),
+            cases: cases.into_iter().map(|case| case.sized(height)).collect(),
             height,
             frames: or(self.frames, 6, 40),
             out: self.out.unwrap_or_else(|| "target/error_vs_time".into()),
@@ -116,6 +113,10 @@ fn list() -> String {
 
 fn size(text: &str) -> Result<u32, String> {
     cli::within(text, 48..=1080, "48 to 1080 pixels, as in 360")
+}
+
+fn random(text: &str) -> Result<u64, String> {
+    cli::within(text, 1..=1000, "1 to 1000 scenes, as in 20")
 }
 
 fn frames(text: &str) -> Result<u32, String> {
@@ -152,9 +153,20 @@ mod tests {
     }
 
     #[test]
+    fn a_random_scene_has_a_name_to_be_drawn_again() {
+        let both = plan(&["--random", "2"]).unwrap_or_else(|e| panic!("{e}"));
+        let one = plan(&["--scene", "random-1"]).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!((both.cases.len(), one.cases.len()), (2, 1));
+        assert_eq!(both.cases[1].name, one.cases[0].name);
+        assert_eq!(both.cases[1].scene.eye, one.cases[0].scene.eye);
+    }
+
+    #[test]
     fn what_makes_no_sense_is_told_what_does() {
-        let wrong: [(&[&str], &str); 6] = [
+        let wrong: [(&[&str], &str); 8] = [
             (&["--scene", "nowhere"], "--list"),
+            (&["--scene", "random-x"], "--list"),
+            (&["--random", "0"], "1 to 1000"),
             (&["--size", "0"], "48 to 1080"),
             (&["--size", "wide"], "48 to 1080"),
             (&["--frames", "-3"], "1 to 1000"),
@@ -172,7 +184,7 @@ mod tests {
     #[test]
     fn the_list_names_every_scene() {
         for case in scenes::all() {
-            assert!(list().contains(case.name));
+            assert!(list().contains(&case.name));
         }
     }
 }

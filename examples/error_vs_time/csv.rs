@@ -161,7 +161,7 @@ mod tests {
 
     fn row(outcome: Result<Measured, String>) -> Row {
         Row {
-            scene: "teapot",
+            scene: "teapot".to_owned(),
             technique: Technique {
                 kind: Kind::NoMirror,
                 samples: 4,

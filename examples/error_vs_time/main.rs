@@ -108,7 +108,7 @@ fn run(plan: &Plan) -> Result<ExitCode, String> {
             .cases
             .iter()
             .find(|case| case.name == of_scene[0].scene);
-        let about = case.map_or("", |case| case.about);
+        let about = case.map_or("", |case| &case.about);
         let share = of_scene[0].share * 100.0;
         println!(
             "{}: {about} ({share:.0} % of the picture)",

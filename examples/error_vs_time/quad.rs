@@ -36,10 +36,13 @@ impl Quad {
         });
         let world_from_local = exact(&surface.transform);
         let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
+        // A transform that turns the mesh inside out takes its front along.
+        let is_mirrored = world_from_local.matrix3.determinant() < 0.0;
+        let b_side = if is_mirrored { -b } else { b };
         Self {
             center: world_from_local.transform_point3(point + a * middle.x + b * middle.y),
             x: world_from_local.transform_vector3(a * half.x),
-            y: world_from_local.transform_vector3(b * half.y),
+            y: world_from_local.transform_vector3(b_side * half.y),
         }
     }
 
@@ -72,6 +75,15 @@ mod tests {
     use bevy::prelude::*;
 
     use super::*;
+
+    #[test]
+    fn the_front_is_that_of_the_surface() {
+        for scale in [Vec3::new(-1.0, 1.0, 1.0), Vec3::new(1.0, 1.0, -1.0)] {
+            let surface = Surface::wall(4.0, 3.0, Transform::from_scale(scale));
+            let front = Quad::of(&surface).plane().normal;
+            assert_eq!(front, surface.plane().normal, "{scale}");
+        }
+    }
 
     #[test]
     fn a_flattened_and_turned_surface_keeps_its_plane_and_its_size() {

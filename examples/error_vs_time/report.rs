@@ -175,7 +175,7 @@ impl<'a> Report<'a> {
                     idle: of(Kind::BoundIdle, samples),
                 };
                 Row {
-                    scene: case.name,
+                    scene: case.name.clone(),
                     technique: player.technique,
                     share: truth.share(),
                     outcome: match &player.outcome {

@@ -10,7 +10,7 @@ use crate::{
 /// What became of a technique in a scene.
 #[derive(Clone, Debug)]
 pub struct Row {
-    pub scene: &'static str,
+    pub scene: String,
     pub technique: Technique,
     /// The share of the picture that the mirror covers.
     pub share: f64,

@@ -94,7 +94,7 @@ mod tests {
     fn a_technique_that_cannot_run_is_in_the_table_with_its_reason() {
         let technique = techniques::all()[0];
         let row = |outcome| Row {
-            scene: "x",
+            scene: "x".to_owned(),
             technique,
             share: 0.5,
             outcome,

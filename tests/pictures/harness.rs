@@ -1,6 +1,6 @@
 //! The harness itself: it must fail where it should, and its reference must be right where one knows the answer.
 
-use bevy::prelude::*;
+use bevy::{math::DVec3, prelude::*};
 
 use crate::support::{
     cut::Plane,
@@ -202,4 +202,21 @@ fn a_cut_object_throws_its_whole_shadow_in_the_reference() {
     let light = studio.reference(&open, 0);
     let darker = shadow.difference(&light, 8, |_| true).expect("one size");
     assert!(darker.beyond > 50, "{darker}");
+}
+
+/// However it is scaled: a wall that is flattened, or turned inside out along any of its axes.
+#[test]
+fn the_front_of_a_surface_is_where_its_transform_takes_it() {
+    for scale in [
+        Vec3::ONE,
+        vec3(1.0, 1.0, 0.0),
+        vec3(-1.0, 1.0, 1.0),
+        vec3(1.0, -2.0, 1.0),
+        vec3(-1.0, -1.0, 1.0),
+    ] {
+        let turned = Surface::wall(1.0, 1.0, Transform::from_scale(scale));
+        assert_eq!(turned.plane().normal, DVec3::Z, "{scale}");
+    }
+    let turned = Surface::wall(1.0, 1.0, Transform::from_scale(vec3(1.0, 1.0, -1.0)));
+    assert_eq!(turned.plane().normal, DVec3::NEG_Z);
 }

@@ -3,6 +3,8 @@
 
 pub mod count;
 pub mod cut;
+#[allow(dead_code, reason = "the tests of the maths need more of it")]
+pub mod extremes;
 pub mod foreign;
 pub mod hall;
 pub mod linear;
@@ -18,3 +20,4 @@ pub mod scene;
 pub mod split_mix;
 pub mod stage;
 pub mod studio;
+pub mod wild;

@@ -30,13 +30,13 @@ impl Random {
         Vec3::new(x, y, z)
     }
 
-    fn rotation(&mut self) -> Quat {
+    pub fn rotation(&mut self) -> Quat {
         use std::f32::consts::PI;
         let [a, b, c] = [0; 3].map(|_| self.between(-PI, PI));
         Quat::from_euler(EulerRot::XYZ, a, b, c)
     }
 
-    fn color(&mut self) -> Color {
+    pub fn color(&mut self) -> Color {
         let [r, g, b] = [0; 3].map(|_| self.between(0.2, 1.0));
         Color::srgb(r, g, b)
     }

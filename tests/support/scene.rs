@@ -201,13 +201,15 @@ impl Surface {
         self
     }
 
-    /// The plane in the world.
+    /// The plane in the world. Its front is where the transform takes the mesh's, also where that turns it inside out.
     pub fn plane(&self) -> Plane {
         let world_from_local = exact(&self.transform);
         let [point, a, b] = self.frame;
         let a = world_from_local.transform_vector3(a);
         let b = world_from_local.transform_vector3(b);
-        Plane::through(world_from_local.transform_point3(point), a.cross(b))
+        let is_mirrored = world_from_local.matrix3.determinant() < 0.0;
+        let front = if is_mirrored { b.cross(a) } else { a.cross(b) };
+        Plane::through(world_from_local.transform_point3(point), front)
     }
 }
 

@@ -267,7 +267,7 @@ mod tests {
             for (i, technique) in techniques::all().into_iter().enumerate() {
                 let time = 5.0 + i as f64;
                 rows.push(Row {
-                    scene,
+                    scene: (*scene).to_owned(),
                     technique,
                     share: 0.3,
                     outcome: Ok(Measured {

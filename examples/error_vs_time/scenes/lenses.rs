@@ -57,7 +57,7 @@ fn fov_179() -> Case {
     )
 }
 
-fn aspect(name: &'static str, about: &'static str, size: UVec2) -> Case {
+fn aspect(name: &str, about: &str, size: UVec2) -> Case {
     let (fov, distance) = if size.x > size.y {
         (2.0, 3.0)
     } else {

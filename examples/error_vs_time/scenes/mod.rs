@@ -6,14 +6,14 @@ mod rooms;
 mod still_life;
 mod surfaces;
 
-use crate::support::scene::Scene;
+use crate::support::{extremes::KINDS, scene::Scene, wild};
 
 /// One scene of the report.
 #[derive(Clone)]
 pub struct Case {
-    pub name: &'static str,
+    pub name: String,
     /// What it is for.
-    pub about: &'static str,
+    pub about: String,
     /// It has one mirror.
     pub scene: Scene,
     /// The same picture by easier numbers, where single precision does not show: for the
@@ -30,10 +30,10 @@ pub struct Case {
 }
 
 impl Case {
-    fn new(name: &'static str, about: &'static str, scene: Scene) -> Self {
+    fn new(name: &str, about: &str, scene: Scene) -> Self {
         Self {
-            name,
-            about,
+            name: name.to_owned(),
+            about: about.to_owned(),
             scene,
             exact: None,
             camera_scale: 1.0,
@@ -72,7 +72,28 @@ impl Case {
     }
 }
 
-/// All scenes, in the order of the report.
+/// A random scene at the extremes, one of those that the picture tests draw.
+///
+/// Every fifth of them is far away from the origin, and has no easier numbers for its reference:
+/// rounding shows in that as well.
+pub fn random(seed: u64) -> Case {
+    let kind = KINDS[(seed % KINDS.len() as u64) as usize];
+    let scene = wild::scene(kind, seed);
+    Case::new(&format!("{RANDOM}{seed}"), &format!("{kind:?}"), scene)
+}
+
+/// What the names of random scenes begin with.
+const RANDOM: &str = "random-";
+
+/// The scene of that name.
+pub fn named(name: &str) -> Option<Case> {
+    match name.strip_prefix(RANDOM) {
+        Some(seed) => Some(random(seed.parse().ok()?)),
+        None => all().into_iter().find(|case| case.name == name),
+    }
+}
+
+/// All scenes with a name of their own, in the order of the report.
 pub fn all() -> Vec<Case> {
     let mut cases = rooms::cases();
     cases.extend(lenses::cases());
@@ -88,7 +109,8 @@ mod tests {
 
     #[test]
     fn every_scene_has_a_name_of_its_own_and_one_mirror() {
-        let cases = all();
+        let mut cases = all();
+        cases.extend((0..10).map(random));
         for (index, case) in cases.iter().enumerate() {
             assert_eq!(case.scene.mirrors.len(), 1, "{}", case.name);
             assert!(!case.about.is_empty());

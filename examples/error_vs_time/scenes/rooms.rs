@@ -129,7 +129,7 @@ fn corridor() -> Case {
 ///
 /// Near the floor only its part just before the near plane is more than a line, so there the
 /// boards are lower.
-fn floor(name: &'static str, about: &'static str, height: f32) -> Case {
+fn floor(name: &str, about: &str, height: f32) -> Case {
     let near = height.min(1.0);
     let (size, rise) = if height < 0.1 {
         (0.05, 0.05)
