@@ -17,6 +17,7 @@ pub mod props;
 pub mod random;
 pub mod reference;
 pub mod scene;
+pub mod setting;
 pub mod split_mix;
 pub mod stage;
 pub mod studio;

@@ -14,6 +14,7 @@ use super::{
     picture::{Difference, Picture},
     reference::{left_handed_eye, reflected_eye},
     scene::{Look, Scene, Surface, exact},
+    setting::Setting,
     stage::Stage,
 };
 
@@ -296,6 +297,7 @@ pub fn clear(stage: &mut Stage) {
 }
 
 fn build(world: &mut World, scene: &Scene, how: How, target: Handle<Image>) -> Entity {
+    let setting = Setting::of_this_run();
     world.insert_resource(ClearColor(match how {
         How::Mask(_) => Color::BLACK,
         _ => scene.clear_color,
@@ -323,7 +325,7 @@ fn build(world: &mut World, scene: &Scene, how: How, target: Handle<Image>) -> E
         );
         match how {
             How::Mirrors => {
-                entity.insert(surface.mirror.clone());
+                entity.insert(setting.mirror(&surface.mirror));
             }
             _ if how.reference() == Some(index) => {
                 // It does not see itself, but its shadow is still there.
@@ -356,18 +358,27 @@ fn build(world: &mut World, scene: &Scene, how: How, target: Handle<Image>) -> E
         How::InPlace(mirror) => left_handed_eye(&scene.eye, scene.mirrors[mirror].plane()),
         _ => scene.eye,
     };
-    let mut camera = world.spawn((scene.camera_bundle(), RenderTarget::from(target), eye));
+    let bundle = (
+        scene.camera_bundle(),
+        RenderTarget::from(target.clone()),
+        eye,
+    );
+    let mut camera = world.spawn(bundle);
     equip(&mut camera, scene, !matches!(how, How::Mask(_)));
     if matches!(how, How::InPlace(_))
         && let Some(mut camera) = camera.get_mut::<Camera>()
     {
         camera.invert_culling = true;
     }
-    camera.id()
+    let camera = camera.id();
+    if how == How::Mirrors {
+        setting.apply(world, scene, camera, &target);
+    }
+    camera
 }
 
 /// What the camera of a scene carries; to a mask only what moves things on the screen matters.
-fn equip(camera: &mut EntityWorldMut, scene: &Scene, whole: bool) {
+pub fn equip(camera: &mut EntityWorldMut, scene: &Scene, whole: bool) {
     for touch in &scene.lens {
         touch(camera);
     }
