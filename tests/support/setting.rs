@@ -10,7 +10,7 @@ use super::scene::Scene;
 pub enum Setting {
     /// As it is.
     Usual,
-    /// Drawn one by one.
+    /// Drawn one by one, in every app: the engine loses a lamp's shadows where no camera draws indirectly.
     Direct,
     /// Cut where nothing crosses the mirror.
     Oblique,
@@ -43,13 +43,17 @@ impl Setting {
         mirror
     }
 
-    /// To a scene with its mirrors and its camera.
-    pub fn apply(self, world: &mut World, scene: &Scene, camera: Entity, target: &Handle<Image>) {
+    /// For the camera of any drawing.
+    pub fn camera(self, world: &mut World, camera: Entity) {
+        if self == Self::Direct {
+            world.entity_mut(camera).insert(NoIndirectDrawing);
+        }
+    }
+
+    /// For a scene with its mirrors, whose camera has that target.
+    pub fn scene(self, world: &mut World, scene: &Scene, target: &Handle<Image>) {
         match self {
-            Self::Usual | Self::Oblique => {}
-            Self::Direct => {
-                world.entity_mut(camera).insert(NoIndirectDrawing);
-            }
+            Self::Usual | Self::Direct | Self::Oblique => {}
             Self::Unseen => {
                 let mesh = world
                     .resource_mut::<Assets<Mesh>>()

@@ -371,8 +371,9 @@ fn build(world: &mut World, scene: &Scene, how: How, target: Handle<Image>) -> E
         camera.invert_culling = true;
     }
     let camera = camera.id();
+    setting.camera(world, camera);
     if how == How::Mirrors {
-        setting.apply(world, scene, camera, &target);
+        setting.scene(world, scene, &target);
     }
     camera
 }
