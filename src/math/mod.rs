@@ -50,6 +50,11 @@
 //! |---|---|---|---|
 //! | a pixel on the wrong side of the cut, from it, in pixels, 60 scenes each | 0.0021 | 0.0021 | 0.0102 |
 //!
+//! Of 500 scenes at the extremes, drawn there and compared with pictures that know no mirrors, 32 of
+//! 2,309,468 pixels of mirrors differ by more than two levels of 255; on an NVIDIA H200 38. All but
+//! 2, or 3, are where a step of single precision at the eye is more than 1/2048 of a pixel. The same
+//! variable with `--test pictures random_scenes` measures that.
+//!
 //! Of two panels as far apart as [`depth_error`] asks for the nearer one was seen in all of 33
 //! cases, at an eighth of that as well, and in 27 of them at a 64th: the bound is safe, and wide.
 //! Nothing was lost at 1e3 and 1e7 units. The same variable with `--test pictures precision`

@@ -1,5 +1,6 @@
 //! What must change no picture of any scene. `PLANAR_MIRROR_SETTING=unseen cargo test --test pictures` draws all of
-//! them so; of the tests, those then fail that count views, or look for the one camera.
+//! them so. Of the tests, those then fail that count views or look for the one camera or status; with `unseen` those of
+//! facing mirrors, with `oblique` an orthographic camera by daylight, with `direct` that of a lamp's shadows.
 
 use bevy::{camera::RenderTarget, prelude::*, render::view::NoIndirectDrawing};
 use bevy_planar_mirror::{MirrorClip, PlanarMirror};

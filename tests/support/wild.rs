@@ -28,6 +28,8 @@ const STEP_PX: f64 = 1.0 / 2048.0;
 const STEP_PX_FAR_OFF: f64 = 1.0 / 16.0;
 
 /// The scene of a seed: the same on every machine. In those of [`Kind::FarOff`] rounding shows.
+///
+/// What the plan leaves out is not among them: whether it does so rightly is asked by the tests of the maths.
 pub fn scene(kind: Kind, seed: u64) -> Scene {
     // Most mirrors of random cameras are not seen. Each seed has tries of its own.
     (0..)
