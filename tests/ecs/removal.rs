@@ -4,6 +4,7 @@ use bevy::{
     camera::RenderTarget,
     ecs::{entity_disabling::Disabled, query::Allow},
     prelude::*,
+    render::view::NoIndirectDrawing,
 };
 use bevy_planar_mirror::{MirrorStatus, MirrorSystems, NotDrawn, PlanarMirror};
 
@@ -292,7 +293,9 @@ fn an_observer_may_despawn_cameras_while_views_are_made() {
     });
     let mirror = app.spawn_mirror(default());
     let target = super::app::target(&mut app, super::app::SIZE);
-    app.spawn((Camera3d::default(), target, EYE, Known));
+    // A view takes this over as it is spawned.
+    let direct = NoIndirectDrawing;
+    app.spawn((Camera3d::default(), target, EYE, Known, direct));
     app.updates(3);
     assert!(app.views().is_empty());
     assert!(app.world().get_entity(mirror).is_ok());
