@@ -24,7 +24,7 @@ pub fn shares(seed: u64) -> Shares {
 }
 
 /// The tamest shares, one after the other, for which `fails` still holds.
-pub fn shrink(mut shares: Shares, fails: impl Fn(&Shares) -> bool) -> Shares {
+pub fn shrink(mut shares: Shares, mut fails: impl FnMut(&Shares) -> bool) -> Shares {
     for index in 0..COUNT {
         for factor in [0.0, 0.5, 0.9] {
             let mut tamer = shares;

@@ -11,7 +11,7 @@ use bevy_planar_mirror::math::{
 };
 
 use super::{
-    extremes::{self, Extreme, Kind},
+    extremes::{self, Extreme, Kind, Shares},
     props::{lit, sun},
     random::Random,
     scene::{Look, Scene, Surface, exact},
@@ -31,14 +31,29 @@ const STEP_PX_FAR_OFF: f64 = 1.0 / 16.0;
 ///
 /// What the plan leaves out is not among them: whether it does so rightly is asked by the tests of the maths.
 pub fn scene(kind: Kind, seed: u64) -> Scene {
+    let (scene, _) = drawn(kind, seed);
+    scene
+}
+
+/// The tamest scene of a seed for which `fails` still holds.
+pub fn tamest(kind: Kind, seed: u64, fails: &mut dyn FnMut(&Scene) -> bool) -> Scene {
+    let (scene, shares) = drawn(kind, seed);
+    let tamest = extremes::shrink(shares, |tamer| {
+        furnished(kind, seed, tamer).is_some_and(|scene| fails(&scene))
+    });
+    furnished(kind, seed, &tamest).unwrap_or(scene)
+}
+
+fn drawn(kind: Kind, seed: u64) -> (Scene, Shares) {
     // Most mirrors of random cameras are not seen. Each seed has tries of its own.
     (0..)
-        .map(|attempt| Extreme::of(kind, seed + (attempt << 32)))
-        .find_map(|extreme| furnished(kind, seed, &extreme))
+        .map(|attempt| extremes::shares(seed + (attempt << 32)))
+        .find_map(|shares| Some((furnished(kind, seed, &shares)?, shares)))
         .expect("some are seen")
 }
 
-fn furnished(kind: Kind, seed: u64, extreme: &Extreme) -> Option<Scene> {
+fn furnished(kind: Kind, seed: u64, shares: &Shares) -> Option<Scene> {
+    let extreme = Extreme::from_shares(kind, shares);
     let mut scene = Scene::new(&format!("wild-{seed}-{kind:?}"));
     scene.projection = projection(&extreme.projection);
     let ratio = match extreme.projection {
