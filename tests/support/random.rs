@@ -36,10 +36,30 @@ impl Random {
         Quat::from_euler(EulerRot::XYZ, a, b, c)
     }
 
-    pub fn color(&mut self) -> Color {
+    /// Of any color that is not dark.
+    pub fn look(&mut self, is_lit: bool) -> Look {
         let [r, g, b] = [0; 3].map(|_| self.between(0.2, 1.0));
-        Color::srgb(r, g, b)
+        let color = Color::srgb(r, g, b);
+        if is_lit {
+            lit(color).into()
+        } else {
+            color.into()
+        }
     }
+}
+
+/// In flat facets: a round cone's tip has no normal, and what is cut between a corner with one and a corner without is
+/// not lit as before.
+pub fn cone(radius: f32) -> Mesh {
+    Cone {
+        radius,
+        height: 1.2,
+    }
+    .mesh()
+    .resolution(20)
+    .build()
+    .with_duplicated_vertices()
+    .with_computed_flat_normals()
 }
 
 /// What a random scene is about.
@@ -149,24 +169,9 @@ pub fn scene(seed: u64, kind: Kind) -> Scene {
                 .minor_resolution(12)
                 .major_resolution(20)
                 .build(),
-            // A cone's tip has no normal, and what is cut between a corner with one and a corner
-            // without is not lit as before.
-            _ => Cone {
-                radius: 0.6,
-                height: 1.2,
-            }
-            .mesh()
-            .resolution(20)
-            .build()
-            .with_duplicated_vertices()
-            .with_computed_flat_normals(),
+            _ => cone(0.6),
         };
-        let color = random.color();
-        let look: Look = if is_lit {
-            lit(color).into()
-        } else {
-            color.into()
-        };
+        let look = random.look(is_lit);
         scene = scene.object(mesh, look, transform);
     }
     if is_lit {

@@ -12,9 +12,9 @@ use bevy_planar_mirror::math::{
 
 use super::{
     extremes::{self, Extreme, Kind, Shares},
-    props::{lit, sun},
-    random::Random,
-    scene::{Look, Scene, Surface, exact},
+    props::sun,
+    random::{Random, cone},
+    scene::{Scene, Surface, exact},
 };
 
 /// Pixels of a picture, whatever its ratio.
@@ -122,22 +122,9 @@ fn furnished(kind: Kind, seed: u64, shares: &Shares) -> Option<Scene> {
         let mesh: Mesh = match random.below(3) {
             0 => Cuboid::from_length(1.1).into(),
             1 => Sphere::new(0.9).mesh().uv(24, 16),
-            _ => Cone {
-                radius: 0.7,
-                height: 1.2,
-            }
-            .mesh()
-            .resolution(20)
-            .build()
-            .with_duplicated_vertices()
-            .with_computed_flat_normals(),
+            _ => cone(0.7),
         };
-        let color = random.color();
-        let look: Look = if is_lit {
-            lit(color).into()
-        } else {
-            color.into()
-        };
+        let look = random.look(is_lit);
         let transform = Transform {
             translation: thing.center.as_vec3(),
             rotation: random.rotation(),
