@@ -1,6 +1,6 @@
 //! The command line.
 
-use std::{path::PathBuf, process::ExitCode};
+use std::{collections::HashSet, path::PathBuf, process::ExitCode};
 
 use argh::FromArgs;
 
@@ -79,12 +79,15 @@ pub fn parse() -> Result<Plan, ExitCode> {
 
 impl Args {
     fn plan(self) -> Result<Plan, String> {
-        let mut cases = Vec::new();
+        let mut cases: Vec<Case> = Vec::new();
         for name in &self.scene {
             let none = || format!("--scene: there is no {name:?}; --list lists them");
             cases.push(scenes::named(name).ok_or_else(none)?);
         }
         cases.extend((0..self.random.unwrap_or(0)).map(scenes::random));
+        // However often it is named, a scene is one.
+        let mut names = HashSet::new();
+        cases.retain(|case| names.insert(case.name.clone()));
         if cases.is_empty() {
             cases = scenes::all();
             cases.retain(|case| case.quick || !self.quick);
@@ -159,6 +162,8 @@ mod tests {
         assert_eq!((both.cases.len(), one.cases.len()), (2, 1));
         assert_eq!(both.cases[1].name, one.cases[0].name);
         assert_eq!(both.cases[1].scene.eye, one.cases[0].scene.eye);
+        let again = plan(&["--random", "2", "--scene", "random-1"]);
+        assert_eq!(again.unwrap_or_else(|e| panic!("{e}")).cases.len(), 2);
     }
 
     #[test]

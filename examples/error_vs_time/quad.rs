@@ -37,8 +37,7 @@ impl Quad {
         let world_from_local = exact(&surface.transform);
         let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
         // A transform that turns the mesh inside out takes its front along.
-        let is_mirrored = world_from_local.matrix3.determinant() < 0.0;
-        let b_side = if is_mirrored { -b } else { b };
+        let b_side = if surface.is_mirrored() { -b } else { b };
         Self {
             center: world_from_local.transform_point3(point + a * middle.x + b * middle.y),
             x: world_from_local.transform_vector3(a * half.x),

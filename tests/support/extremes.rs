@@ -47,8 +47,8 @@ pub enum Kind {
     /// The eye is hardly above the mirror's plane.
     Grazing,
     Orthographic,
-    /// Up to ten million units from the origin.
-    FarOff,
+    /// Thousands of units from the origin, at the extremes ten million.
+    FarAway,
 }
 
 pub const KINDS: [Kind; 5] = [
@@ -56,7 +56,7 @@ pub const KINDS: [Kind; 5] = [
     Kind::HeadOn,
     Kind::Grazing,
     Kind::Orthographic,
-    Kind::FarOff,
+    Kind::FarAway,
 ];
 
 /// A camera's projection, in the numbers a user gives. `shift` is how far off center, in clip space.
@@ -177,7 +177,7 @@ impl Extreme {
     }
 }
 
-fn patch(half_size: DVec2) -> PlanarPatch {
+pub fn patch(half_size: DVec2) -> PlanarPatch {
     PlanarPatch {
         center: DVec3::ZERO,
         tangent_x: DVec3::X,
@@ -310,7 +310,7 @@ fn any_mirror(draw: &mut Draw, kind: Kind) -> DAffine3 {
     let distance = draw.share();
     let near_by = draw.rarely(0.6).is_none();
     let offset = match kind {
-        Kind::FarOff => 10.0_f64.powf(3.0 + 4.0 * distance),
+        Kind::FarAway => 10.0_f64.powf(3.0 + 4.0 * distance),
         _ if near_by => 0.0,
         _ => 10.0_f64.powf(-2.0 + 7.0 * distance),
     };

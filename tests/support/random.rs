@@ -2,6 +2,7 @@
 
 use bevy::{camera::ScalingMode, prelude::*};
 
+pub use super::extremes::Kind;
 use super::{
     props::{lamp, lit, sun},
     scene::{Look, Scene, Surface},
@@ -60,19 +61,6 @@ pub fn cone(radius: f32) -> Mesh {
     .build()
     .with_duplicated_vertices()
     .with_computed_flat_normals()
-}
-
-/// What a random scene is about.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
-    Any,
-    /// The camera looks straight at the mirror.
-    HeadOn,
-    /// The eye is hardly above the mirror's plane.
-    Grazing,
-    Orthographic,
-    /// Thousands of units from the origin.
-    FarAway,
 }
 
 /// A mirror somewhere, a camera before it, and objects of which some cross the plane and some are behind it.

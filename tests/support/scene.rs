@@ -201,14 +201,22 @@ impl Surface {
         self
     }
 
+    /// Whether the transform turns the mesh inside out.
+    pub fn is_mirrored(&self) -> bool {
+        exact(&self.transform).matrix3.determinant() < 0.0
+    }
+
     /// The plane in the world. Its front is where the transform takes the mesh's, also where that turns it inside out.
     pub fn plane(&self) -> Plane {
         let world_from_local = exact(&self.transform);
         let [point, a, b] = self.frame;
         let a = world_from_local.transform_vector3(a);
         let b = world_from_local.transform_vector3(b);
-        let is_mirrored = world_from_local.matrix3.determinant() < 0.0;
-        let front = if is_mirrored { b.cross(a) } else { a.cross(b) };
+        let front = if self.is_mirrored() {
+            b.cross(a)
+        } else {
+            a.cross(b)
+        };
         Plane::through(world_from_local.transform_point3(point), front)
     }
 }

@@ -11,7 +11,7 @@ use bevy_planar_mirror::PlanarMirrorPlugin;
 use super::{
     cut::{Cut, cut},
     mask::Mask,
-    picture::{Difference, Picture},
+    picture::{Difference, Picture, Unlike},
     reference::{left_handed_eye, reflected_eye},
     scene::{Look, Scene, Surface, exact},
     setting::Setting,
@@ -160,9 +160,11 @@ impl Studio {
         let picture = self.picture(scene);
         let mask = self.mask(scene, 0);
         let plain = self.without_mirrors(scene);
-        if let Ok(around) = picture.difference(&plain, 0, |place| mask.outside(place))
-            && around.beyond > odd
-        {
+        let is_kept = match picture.difference(&plain, 0, |place| mask.outside(place)) {
+            Ok(around) => around.beyond <= odd,
+            Err(unlike) => unlike == Unlike::NothingCompared,
+        };
+        if !is_kept {
             self.assert_untouched_outside(scene, &picture);
         }
         let compared = |reference: &Picture| {
@@ -436,11 +438,14 @@ fn spawn_cut(world: &mut World, scene: &Scene, mirror: usize, object: &super::sc
 
 /// White from the front. A mirrored transform turns the triangles over, but not the front.
 fn white(surface: &Surface) -> Look {
-    let mirrored = exact(&surface.transform).matrix3.determinant() < 0.0;
     StandardMaterial {
         base_color: Color::WHITE,
         unlit: true,
-        cull_mode: Some(if mirrored { Face::Front } else { Face::Back }),
+        cull_mode: Some(if surface.is_mirrored() {
+            Face::Front
+        } else {
+            Face::Back
+        }),
         ..default()
     }
     .into()

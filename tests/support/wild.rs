@@ -3,11 +3,11 @@
 
 use bevy::{
     camera::ScalingMode,
-    math::{DAffine3, DMat3, DVec2, DVec3},
+    math::{DAffine3, DMat3, DQuat, DVec2, DVec3},
     prelude::*,
 };
 use bevy_planar_mirror::math::{
-    PlanarPatch, ReflectedViewPlan, ViewInput, depth_error, plan_reflected_view, transform_patch,
+    ReflectedViewPlan, ViewInput, depth_error, plan_reflected_view, transform_patch,
 };
 
 use super::{
@@ -27,7 +27,7 @@ const STEP_PX: f64 = 1.0 / 2048.0;
 /// In scenes far off it is more than that, and less than this.
 const STEP_PX_FAR_OFF: f64 = 1.0 / 16.0;
 
-/// The scene of a seed: the same on every machine. In those of [`Kind::FarOff`] rounding shows.
+/// The scene of a seed: the same on every machine. In those of [`Kind::FarAway`] rounding shows.
 ///
 /// What the plan leaves out is not among them: whether it does so rightly is asked by the tests of the maths.
 pub fn scene(kind: Kind, seed: u64) -> Scene {
@@ -77,12 +77,7 @@ fn furnished(kind: Kind, seed: u64, shares: &Shares) -> Option<Scene> {
         2.0 * half_size.y,
         place(&extreme.mirror)?,
     );
-    let patch = PlanarPatch {
-        center: DVec3::ZERO,
-        tangent_x: DVec3::X,
-        tangent_y: DVec3::Y,
-        half_size: half_size.as_dvec2(),
-    };
+    let patch = extremes::patch(half_size.as_dvec2());
     let (plane, corners) = transform_patch(&patch, &exact(&surface.transform))?;
     let input = ViewInput {
         world_from_view: exact(&scene.eye),
@@ -102,7 +97,7 @@ fn furnished(kind: Kind, seed: u64, shares: &Shares) -> Option<Scene> {
     }
     let step_px = step_px(&input, &plan);
     let is_wanted = match kind {
-        Kind::FarOff => (STEP_PX..STEP_PX_FAR_OFF).contains(&step_px),
+        Kind::FarAway => (STEP_PX..STEP_PX_FAR_OFF).contains(&step_px),
         _ => step_px < STEP_PX,
     };
     if !is_wanted || !tells_depth(&input) {
@@ -169,7 +164,7 @@ fn rotation(z: DVec3, x: DVec3) -> Option<Quat> {
     let z = z.try_normalize()?;
     let x = x.reject_from_normalized(z).try_normalize()?;
     let axes = DMat3::from_cols(x, z.cross(x), z);
-    Some(bevy::math::DQuat::from_mat3(&axes).as_quat().normalize())
+    Some(DQuat::from_mat3(&axes).as_quat().normalize())
 }
 
 /// The transform of a mirror: scaled, flattened, turned inside out; but not sheared, which a [`Transform`] cannot say.
