@@ -24,8 +24,8 @@ use crate::{
     support::{
         props::{add, at, glass, lit, six_colors, spot, sun},
         scene::{Scene, Surface},
+        set::{build_plain, build_with_mirrors},
         stage::Stage,
-        studio::{build_plain, build_with_mirrors},
     },
 };
 

@@ -12,8 +12,8 @@ use crate::{
     support::{
         picture::Picture,
         scene::Scene,
+        set::{build_plain, build_with_mirrors},
         stage::Stage,
-        studio::{build_plain, build_with_mirrors},
     },
 };
 

@@ -12,7 +12,7 @@ use crate::{
         props::lit,
         random::Random,
         scene::{Look, Object, Scene, Surface},
-        studio::build_with_mirrors,
+        set::build_with_mirrors,
     },
 };
 

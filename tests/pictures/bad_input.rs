@@ -14,8 +14,9 @@ use crate::support::{
     live::Live,
     props::at,
     scene::{Scene, Surface},
+    set::add_camera,
     stage::Stage,
-    studio::{Studio, add_camera},
+    studio::Studio,
 };
 
 /// The hall with another mirror in place of its own.

@@ -16,8 +16,8 @@ use crate::support::{
     count::count,
     props::{BLUE, GREEN, RED, YELLOW, glass, lamp, lit, sun},
     random::Random,
+    set::clear,
     stage::Stage,
-    studio::clear,
 };
 
 /// What there was of a round, and what is left when everything of it has been despawned.

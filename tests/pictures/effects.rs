@@ -22,8 +22,9 @@ use crate::support::{
     opening::opened,
     picture::Picture,
     scene::Scene,
+    set::{build_plain, build_with_mirrors},
     stage::Stage,
-    studio::{SHARE, Studio, TOLERANCE, build_plain, build_with_mirrors},
+    studio::{SHARE, Studio, TOLERANCE},
 };
 
 /// Nothing crosses the mirror: at a cut the opening may have a pixel of its own, which an effect would spread.

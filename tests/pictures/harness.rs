@@ -8,8 +8,9 @@ use crate::support::{
     props::{BLUE, GREEN, RED, at, is},
     reference::reflected_eye,
     scene::{Scene, Surface},
+    set::build_plain,
     stage::{NoPicture, Stage},
-    studio::{Studio, build_plain},
+    studio::Studio,
 };
 
 const SIZE: UVec2 = UVec2::new(64, 48);

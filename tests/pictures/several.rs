@@ -9,8 +9,9 @@ use crate::support::{
     picture::Picture,
     props::{BLUE, GREEN, MAGENTA, RED, at, glass, is},
     scene::{Look, Scene, Surface},
+    set::{add_camera, build_with_mirrors},
     stage::Stage,
-    studio::{Studio, TOLERANCE, add_camera, build_with_mirrors},
+    studio::{Studio, TOLERANCE},
 };
 
 /// Things of all colors before mirrors that stand about the origin and look to +Z.

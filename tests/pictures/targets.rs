@@ -7,8 +7,9 @@ use crate::support::{
     picture::Picture,
     props::{RED, at},
     scene::{Scene, Surface},
+    set::{build_plain, build_reference, build_with_mirrors, clear},
     stage::Stage,
-    studio::{SHARE, Studio, TOLERANCE, build_plain, build_reference, build_with_mirrors, clear},
+    studio::{SHARE, Studio, TOLERANCE},
 };
 
 #[test]

@@ -17,8 +17,9 @@ use crate::support::{
     picture::Picture,
     props::{GREEN, MAGENTA, RED, YELLOW, at, is, lamp},
     scene::{Look, Scene, Surface},
+    set::{add_camera, build_plain, build_with_mirrors},
     stage::Stage,
-    studio::{SHARE, Studio, TOLERANCE, add_camera, build_plain, build_with_mirrors},
+    studio::{SHARE, Studio, TOLERANCE},
 };
 
 /// Less than the target, away from its corner, and of another shape.

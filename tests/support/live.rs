@@ -5,8 +5,8 @@ use bevy::prelude::*;
 use super::{
     picture::Picture,
     scene::{Look, Scene},
+    set::{build_plain, build_with_mirrors, clear},
     stage::Stage,
-    studio::{build_plain, build_with_mirrors, clear},
 };
 
 /// Something that happens to the world between two frames.

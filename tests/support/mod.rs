@@ -1,5 +1,5 @@
 //! What the picture tests stand on: an app without a window ([`stage`]), scenes written once and drawn in several
-//! ways ([`scene`], [`studio`], [`reference`]), and pictures that can be compared ([`picture`]).
+//! ways ([`scene`], [`set`], [`studio`], [`reference`]), and pictures that can be compared ([`picture`]).
 
 pub mod count;
 pub mod cut;
@@ -17,6 +17,7 @@ pub mod props;
 pub mod random;
 pub mod reference;
 pub mod scene;
+pub mod set;
 pub mod setting;
 pub mod split_mix;
 pub mod stage;

@@ -79,7 +79,7 @@ impl Setting {
                 };
                 let target = RenderTarget::from(images.add(image));
                 let mut second = world.spawn((scene.camera_bundle(), target, scene.eye));
-                super::studio::equip(&mut second, scene, true);
+                super::set::equip(&mut second, scene, true);
             }
         }
     }

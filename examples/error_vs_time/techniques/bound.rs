@@ -25,8 +25,8 @@ use crate::{
         cut::Plane,
         reference::reflected_eye,
         scene::{Look, Object, Scene, exact},
+        set::build_plain,
         stage::Stage,
-        studio::build_plain,
     },
 };
 

@@ -13,8 +13,8 @@ use crate::{
     coded, frames,
     support::{
         scene::Scene,
+        set::{build_plain, build_with_mirrors, clear},
         stage::Stage,
-        studio::{build_plain, build_with_mirrors, clear},
     },
 };
 

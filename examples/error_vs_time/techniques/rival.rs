@@ -20,8 +20,8 @@ use bevy::{
 use crate::support::{
     props::add,
     scene::{Look, Scene, Surface},
+    set::build_plain,
     stage::Stage,
-    studio::build_plain,
 };
 
 /// Shows its emissive texture at the place on the screen instead of by coordinates of the mesh.

@@ -8,7 +8,7 @@ use bevy::{
     render::render_resource::{Extent3d, Face, TextureDimension, TextureFormat},
 };
 
-use crate::support::{scene::Scene, stage::Stage, studio::build_plain};
+use crate::support::{scene::Scene, set::build_plain, stage::Stage};
 
 pub fn plugin(app: &mut App) {
     app.insert_resource(DefaultOpaqueRendererMethod::deferred());
