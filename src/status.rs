@@ -79,6 +79,12 @@ pub enum NotDrawn {
     EyeBehind,
     /// No part of the mirror is in the camera's view.
     OutOfView,
+    /// Opaque things before the mirror hide all of it from the camera.
+    ///
+    /// Such are meshes of at most 128 triangles, kept in the main world, with an opaque
+    /// `StandardMaterial`. What else hides a mirror is not looked at, and the reflection is then
+    /// drawn, though no pixel of it is shaded.
+    Occluded,
     /// What is seen of the mirror is thinner than half a pixel; if the mirror was drawn in the frame
     /// before, than a quarter.
     TooThin,
@@ -169,6 +175,7 @@ impl fmt::Display for NotDrawn {
             Self::DeferredCamera => "the camera uses deferred rendering",
             Self::EyeBehind => "the eye is not in front of the plane",
             Self::OutOfView => "out of view",
+            Self::Occluded => "hidden by what stands before it",
             Self::TooThin => "thinner than half a pixel",
             Self::BelowPrecision => "below the precision of the coordinates",
             Self::TooManyMirrors => "more mirrors in view than may be drawn",

@@ -7,6 +7,7 @@ mod log;
 mod ecs {
     mod app;
     mod clusters;
+    mod cover;
     mod flicker;
     mod likeness;
     mod log_lines;

@@ -2,6 +2,8 @@
 
 #[path = "support/count.rs"]
 mod count;
+#[path = "math/cover.rs"]
+mod cover;
 #[path = "support/extremes.rs"]
 mod extremes;
 #[path = "math/fitting.rs"]

@@ -10,6 +10,7 @@
 //! | `reflection` | where a point, a direction and a camera go by reflection |
 //! | `projection` | how a projection is undone, and what kind it is |
 //! | `polygon` | which part of the mirror a camera sees |
+//! | `cover` | whether what stands before the mirror hides all of it |
 //! | `oblique` | how the near plane of a projection is moved to the mirror |
 //! | `noise` | how much of that survives single precision |
 //! | `side` | which objects lie in front of, behind and across the plane |
@@ -71,6 +72,7 @@
 //! infinity are such cases wherever they would reach a matrix. Functions on single values (a
 //! reflected point, a distance) pass them through.
 
+mod cover;
 mod fit;
 mod join;
 mod noise;
@@ -83,6 +85,7 @@ mod reflection;
 mod side;
 mod view;
 
+pub use cover::{Cover, CoverView};
 pub use fit::{FitError, fit_patch};
 pub use join::{is_in_plane, joint_corners};
 pub use noise::{MAX_MARGIN, clip_plane_error, depth_error, margin, noise};

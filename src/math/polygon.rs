@@ -1,6 +1,6 @@
 //! The part of a mirror's rectangle that a camera sees.
 
-use glam::{DVec2, DVec4};
+use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 
 /// A quad clipped by seven planes has at most eleven vertices; one to spare for rounding.
 const CAPACITY: usize = 12;
@@ -20,7 +20,7 @@ impl PartialEq for VisiblePolygon {
 }
 
 impl VisiblePolygon {
-    const EMPTY: Self = Self {
+    pub(super) const EMPTY: Self = Self {
         vertices: [DVec4::ZERO; CAPACITY],
         len: 0,
         is_full_view: false,
@@ -108,8 +108,27 @@ impl VisiblePolygon {
         self.twice_area().abs() / 8.0 * viewport.x * viewport.y
     }
 
+    /// Whether there is no room for another vertex.
+    pub(super) fn is_full(&self) -> bool {
+        self.len == CAPACITY
+    }
+
+    /// The lines on the screen along the edges: covectors of `(x, y, w)`, positive to the left.
+    ///
+    /// An edge so short that rounding decides where it leads has none.
+    pub(super) fn edge_lines(&self) -> impl Iterator<Item = DVec3> + '_ {
+        const MIN_SINE: f64 = 1e-12;
+        let next = self.vertices().iter().cycle().skip(1);
+        let edges = self.vertices().iter().zip(next);
+        edges.filter_map(|(a, b)| {
+            let (a, b) = (a.xyw(), b.xyw());
+            let line = a.cross(b);
+            (line.length() > MIN_SINE * a.length() * b.length()).then_some(line)
+        })
+    }
+
     /// Twice the area in device coordinates, positive if the vertices turn to the left.
-    pub(super) fn twice_area(&self) -> f64 {
+    pub fn twice_area(&self) -> f64 {
         let next = self.ndc().cycle().skip(1);
         self.ndc().zip(next).map(|(a, b)| a.perp_dot(b)).sum()
     }
@@ -123,7 +142,7 @@ impl VisiblePolygon {
     }
 
     /// The part where `distance`, linear in the vertex, is not negative (Sutherland-Hodgman).
-    fn clipped(&self, distance: impl Fn(DVec4) -> f64) -> Self {
+    pub(super) fn clipped(&self, distance: impl Fn(DVec4) -> f64) -> Self {
         let mut kept = Self::EMPTY;
         let vertices = self.vertices();
         for (index, &a) in vertices.iter().enumerate() {

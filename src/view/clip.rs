@@ -13,9 +13,9 @@ use bevy::{
     pbr::decal::ForwardDecal,
     transform::components::GlobalTransform,
 };
-use glam::{DMat4, DVec3, DVec4};
+use glam::{DMat4, DVec4};
 
-use super::{DepthRange, PlannedView, ReflectedView, ReflectedViews};
+use super::{DepthRange, PlannedView, ReflectedView, ReflectedViews, bounds::WorldBox};
 use crate::{
     math::{Side, classify, edge_sides, signed_distance_range},
     mirror::MirrorClip,
@@ -153,39 +153,5 @@ impl Seen {
         let (near, far) = bounds.range(rows.view_depth);
         self.depths.include(near as f32, far as f32);
         true
-    }
-}
-
-/// A box with its axes in the world.
-struct WorldBox {
-    center: DVec3,
-    /// From the center to the middles of three faces.
-    half_axes: [DVec3; 3],
-}
-
-impl WorldBox {
-    fn new(transform: &GlobalTransform, aabb: &Aabb) -> Self {
-        let world_from_local = transform.affine().as_daffine3();
-        let half = aabb.half_extents.as_dvec3();
-        let axes = world_from_local.matrix3;
-        Self {
-            center: world_from_local.transform_point3(aabb.center.as_dvec3()),
-            half_axes: [
-                axes.x_axis * half.x,
-                axes.y_axis * half.y,
-                axes.z_axis * half.z,
-            ],
-        }
-    }
-
-    /// The least and the greatest value of a covector over the box.
-    fn range(&self, covector: DVec4) -> (f64, f64) {
-        let middle = covector.dot(self.center.extend(1.0));
-        let reach: f64 = self
-            .half_axes
-            .iter()
-            .map(|axis| covector.truncate().dot(*axis).abs())
-            .sum();
-        (middle - reach, middle + reach)
     }
 }

@@ -11,6 +11,7 @@ use glam::{DAffine3, DMat4, DVec2};
 
 use super::{
     Decision, MirrorLimits, ReflectedView, ReflectedViews,
+    cover::Walls,
     sight::{MirrorInput, Sight, Viewer},
 };
 use crate::{math::Opening, mirror::NoMirrors, status::NotDrawn};
@@ -20,6 +21,8 @@ pub struct CameraInput {
     pub entity: Entity,
     pub layers: RenderLayers,
     pub view: Result<CameraView, NotDrawn>,
+    /// Whether it shows the faces that other cameras cull.
+    pub inverts_culling: bool,
     /// A jittered camera looks up to half a pixel beside its projection.
     pub jitter_px: f64,
 }
@@ -46,6 +49,7 @@ pub fn decide_reflected_views(
         (With<Camera3d>, Without<NoMirrors>, Without<ReflectedView>),
     >,
     mirrors: Query<MirrorInput>,
+    walls: Walls,
     ranged: Query<(), Or<(With<Camera>, With<ShadowLodOrigin>)>>,
     limits: Res<MirrorLimits>,
     mut camera_inputs: Local<Vec<CameraInput>>,
@@ -70,6 +74,7 @@ pub fn decide_reflected_views(
                     entity,
                     layers: layers.cloned().unwrap_or_default(),
                     view: camera_view(camera, transform, deferred),
+                    inverts_culling: camera.invert_culling,
                     jitter_px: if jittered { 0.5 } else { 0.0 },
                 },
             ),
@@ -96,6 +101,7 @@ pub fn decide_reflected_views(
             camera,
             default_layers: &default_layers,
             view: camera.view,
+            walls: Some(&walls),
             opening: Opening::SCREEN,
             viewer: None,
             entity: Some(camera.entity),
@@ -124,6 +130,7 @@ pub fn decide_reflected_views(
                         world_from_view: outer.plan.world_from_view,
                         ..view
                     }),
+                    walls: None,
                     opening: Opening {
                         low,
                         high,

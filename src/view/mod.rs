@@ -10,6 +10,7 @@
 //! |---|---|
 //! | fit a plane to each mirror's mesh, and carry it into the world | `fit.rs` |
 //! | decide which camera sees which mirror | `decide.rs`, `sight.rs` |
+//! | leave out those that walls hide | `cover.rs` |
 //! | bring the entities in line with that | `apply.rs`, `copy.rs` |
 //! | which lamps reach what is seen | `clusters.rs` |
 //! | after visibility: drop what is behind, choose the projection | `clip.rs` |
@@ -21,9 +22,11 @@
 //! `PostUpdate`, and during extraction.
 
 mod apply;
+mod bounds;
 mod clip;
 mod clusters;
 mod copy;
+mod cover;
 mod decide;
 mod fit;
 mod report;

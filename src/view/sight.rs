@@ -9,6 +9,7 @@ use glam::{DVec2, DVec3};
 
 use super::{
     DepthRange, PlannedView,
+    cover::{Walls, WallsInView},
     decide::{CameraInput, CameraView},
     fit::MirrorPlace,
 };
@@ -40,6 +41,8 @@ pub struct Viewer<'a> {
     pub default_layers: &'a RenderLayers,
     /// Where it looks from, if that is known.
     pub view: Result<CameraView, NotDrawn>,
+    /// What may hide mirrors from it, if it is a camera. What does so in a mirror is not looked for.
+    pub walls: Option<&'a Walls<'a, 'a>>,
     pub opening: Opening,
     /// See [`PlannedView`].
     pub viewer: Option<usize>,
@@ -55,6 +58,7 @@ pub struct Viewer<'a> {
 /// What is being decided for one viewer. Kept to use its memory again.
 #[derive(Default)]
 pub struct Sight {
+    walls: WallsInView,
     seen: Vec<SeenMirror>,
     groups: Vec<Group>,
 }
@@ -92,20 +96,24 @@ impl Sight {
         surfaces: &mut Vec<Entity>,
         mut tell: impl FnMut(usize, Result<usize, NotDrawn>),
     ) {
+        self.walls.forget();
         self.seen.clear();
         self.groups.clear();
         for (mirror, input) in mirrors.iter().enumerate() {
             match viewer.plan(&input) {
-                Ok((plane, corners, plan)) => {
+                Ok((look, plan)) if self.is_hidden(viewer, &look, &plan) => {
+                    tell(mirror, Err(NotDrawn::Occluded));
+                }
+                Ok((look, plan)) => {
                     let seen = SeenMirror {
                         mirror,
                         entity: input.entity,
-                        corners,
+                        corners: look.corners,
                         plan,
                         pixels: plan.polygon.area_px(viewer.viewport_size()),
                         group: 0,
                     };
-                    self.add(seen, input.settings, plane);
+                    self.add(seen, input.settings, look.plane);
                 }
                 Err(reason) => tell(mirror, Err(reason)),
             }
@@ -173,6 +181,12 @@ impl Sight {
         }
     }
 
+    fn is_hidden(&mut self, viewer: &Viewer, look: &ViewInput, plan: &ReflectedViewPlan) -> bool {
+        viewer
+            .walls
+            .is_some_and(|walls| self.walls.hide(walls, viewer.camera, look, plan))
+    }
+
     fn add(&mut self, mut seen: SeenMirror, settings: &PlanarMirror, plane: Plane) {
         let PlanarMirror { clip, shadows, .. } = *settings;
         let known = seen.corners.and_then(|corners| {
@@ -207,10 +221,8 @@ impl Viewer<'_> {
         self.view.map_or(DVec2::ZERO, |view| view.viewport_size)
     }
 
-    fn plan(
-        &self,
-        mirror: &MirrorInputItem,
-    ) -> Result<(Plane, Option<[DVec3; 4]>, ReflectedViewPlan), NotDrawn> {
+    /// How it looks at the mirror, and what follows from that.
+    fn plan(&self, mirror: &MirrorInputItem) -> Result<(ViewInput, ReflectedViewPlan), NotDrawn> {
         if !self.can_draw {
             return Err(NotDrawn::NoRenderer);
         }
@@ -223,8 +235,7 @@ impl Viewer<'_> {
         }
         let (plane, corners) = mirror.place.0?;
         let was_drawn = self.view_of(mirror.entity).is_some();
-        let plan = self.plan_quad(plane, corners, was_drawn)?;
-        Ok((plane, corners, plan))
+        self.plan_quad(plane, corners, was_drawn)
     }
 
     fn plan_quad(
@@ -232,13 +243,13 @@ impl Viewer<'_> {
         plane: Plane,
         corners: Option<[DVec3; 4]>,
         was_drawn: bool,
-    ) -> Result<ReflectedViewPlan, NotDrawn> {
+    ) -> Result<(ViewInput, ReflectedViewPlan), NotDrawn> {
         let CameraView {
             world_from_view,
             clip_from_view,
             viewport_size,
         } = self.view?;
-        let input = ViewInput {
+        let look = ViewInput {
             world_from_view,
             clip_from_view,
             viewport_size,
@@ -247,13 +258,16 @@ impl Viewer<'_> {
             jitter_px: self.camera.jitter_px,
             was_drawn,
         };
-        plan_reflected_view_within(&input, &self.opening).map_err(|skip| match skip {
-            Skip::DegenerateView => NotDrawn::DegenerateCamera,
-            Skip::EyeBehind => NotDrawn::EyeBehind,
-            Skip::OutOfView => NotDrawn::OutOfView,
-            Skip::TooThin => NotDrawn::TooThin,
-            Skip::BelowPrecision => NotDrawn::BelowPrecision,
-        })
+        match plan_reflected_view_within(&look, &self.opening) {
+            Ok(plan) => Ok((look, plan)),
+            Err(skip) => Err(match skip {
+                Skip::DegenerateView => NotDrawn::DegenerateCamera,
+                Skip::EyeBehind => NotDrawn::EyeBehind,
+                Skip::OutOfView => NotDrawn::OutOfView,
+                Skip::TooThin => NotDrawn::TooThin,
+                Skip::BelowPrecision => NotDrawn::BelowPrecision,
+            }),
+        }
     }
 
     /// One plan for several mirrors of a plane; `None` for a single one, or if there is no such
@@ -265,7 +279,8 @@ impl Viewer<'_> {
         let quads = group.iter().filter_map(|seen| seen.corners);
         let corners = joint_corners(plane, quads)?;
         let was_drawn = group.iter().any(|seen| self.view_of(seen.entity).is_some());
-        self.plan_quad(*plane, Some(corners), was_drawn).ok()
+        let (_, plan) = self.plan_quad(*plane, Some(corners), was_drawn).ok()?;
+        Some(plan)
     }
 }
 

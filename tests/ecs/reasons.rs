@@ -43,7 +43,7 @@ fn assert_blind(app: &mut MirrorApp, mirror: Entity, camera: Entity, reason: Not
     assert_eq!(app.views_of(other).len(), 2, "the other camera sees both");
 }
 
-const ALL: [NotDrawn; 17] = [
+const ALL: [NotDrawn; 18] = [
     NotDrawn::NoRenderer,
     NotDrawn::Hidden,
     NotDrawn::OtherLayers,
@@ -58,6 +58,7 @@ const ALL: [NotDrawn; 17] = [
     NotDrawn::DeferredCamera,
     NotDrawn::EyeBehind,
     NotDrawn::OutOfView,
+    NotDrawn::Occluded,
     NotDrawn::TooThin,
     NotDrawn::BelowPrecision,
     NotDrawn::TooManyMirrors,

@@ -1,0 +1,231 @@
+//! Which mirrors are hidden by what stands before them, and need no view.
+//!
+//! The answer is this frame's and certain, so that a mirror is never late: hidden is what opaque
+//! meshes of few triangles, as walls and doors are, hide together. Of everything else it is not
+//! known whether it will be drawn, opaque and in this place, so it hides nothing.
+
+use bevy::{
+    asset::Assets,
+    asset::RenderAssetUsages,
+    camera::{
+        primitives::Aabb,
+        visibility::{InheritedVisibility, RenderLayers, VisibilityRange},
+    },
+    ecs::{prelude::*, query::QueryData, system::SystemParam},
+    material::AlphaMode,
+    mesh::{Mesh, Mesh3d, PrimitiveTopology, morph::MeshMorphWeights, skinning::SkinnedMesh},
+    pbr::{MeshMaterial3d, StandardMaterial},
+    render::render_resource::Face,
+    transform::components::GlobalTransform,
+};
+use glam::{DMat4, DVec4};
+
+use super::{bounds::WorldBox, decide::CameraInput};
+use crate::{
+    math::{Cover, CoverView, ReflectedViewPlan, ViewInput, VisiblePolygon, edge_sides},
+    mirror::PlanarMirror,
+};
+
+/// A mesh of more triangles is no wall, and would cost as much as the view that it might spare.
+const MOST_TRIANGLES: usize = 128;
+/// Of so many faces before a mirror no more are looked at.
+const MOST_FACES: usize = 512;
+/// What spans less of half the picture's height hides none but the smallest mirrors.
+const LEAST_SIZE: f64 = 1.0 / 16.0;
+
+/// Everything that may hide a mirror.
+#[derive(SystemParam)]
+pub struct Walls<'w, 's> {
+    objects: Query<'w, 's, Wall, Rigid>,
+    meshes: Option<Res<'w, Assets<Mesh>>>,
+    materials: Option<Res<'w, Assets<StandardMaterial>>>,
+}
+
+#[derive(QueryData)]
+struct Wall {
+    entity: Entity,
+    transform: &'static GlobalTransform,
+    bounds: &'static Aabb,
+    mesh: &'static Mesh3d,
+    material: &'static MeshMaterial3d<StandardMaterial>,
+    visibility: &'static InheritedVisibility,
+    layers: Option<&'static RenderLayers>,
+}
+
+/// What is drawn where its transform says, as often as it is there.
+type Rigid = (
+    Without<PlanarMirror>,
+    Without<SkinnedMesh>,
+    Without<MeshMorphWeights>,
+    Without<VisibilityRange>,
+);
+
+/// What one camera's mirrors may be hidden by. Kept to use its memory again.
+#[derive(Default)]
+pub struct WallsInView {
+    /// Whether they have been looked for: only if there is a mirror to hide.
+    is_known: bool,
+    walls: Vec<WallInView>,
+    sides: Vec<DVec4>,
+    cover: Cover,
+}
+
+struct WallInView {
+    entity: Entity,
+    bounds: WorldBox,
+    /// Which of its faces are drawn: those whose vertices turn to the left, to the right, or all.
+    drawn: Option<Turn>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Turn {
+    Left,
+    Right,
+}
+
+impl WallsInView {
+    /// Begins with another camera.
+    pub fn forget(&mut self) {
+        self.is_known = false;
+    }
+
+    /// Whether the walls hide all that the camera sees of the mirror it looks at.
+    pub fn hide(
+        &mut self,
+        walls: &Walls,
+        camera: &CameraInput,
+        look: &ViewInput,
+        plan: &ReflectedViewPlan,
+    ) -> bool {
+        let (Some(meshes), Some(materials)) = (&walls.meshes, &walls.materials) else {
+            return false;
+        };
+        if !self.is_known {
+            self.is_known = true;
+            self.find(walls, camera, look, meshes, materials);
+        }
+        if self.walls.is_empty() {
+            return false;
+        }
+        let Some(view) = CoverView::new(look, plan) else {
+            return false;
+        };
+        let view_from_world = DMat4::from(look.world_from_view.inverse());
+        self.sides.clear();
+        self.sides.push(look.plane.covector());
+        self.sides.extend(
+            edge_sides(&plan.polygon, &look.clip_from_view, look.viewport_size)
+                .map(|side| view_from_world.transpose() * side),
+        );
+        self.cover.begin(&plan.polygon);
+        let mut faces = 0;
+        for wall in &self.walls {
+            let is_beside = |side: &DVec4| wall.bounds.range(*side).1 < 0.0;
+            if self.sides.iter().any(is_beside) {
+                continue;
+            }
+            let Ok(object) = walls.objects.get(wall.entity) else {
+                continue;
+            };
+            let Some(Ok(triangles)) = meshes.get(object.mesh).map(Mesh::triangles) else {
+                continue;
+            };
+            let world_from_local = object.transform.affine().as_daffine3();
+            for triangle in triangles {
+                let corners = triangle.vertices.map(|corner| corner.as_dvec3());
+                let Some(face) = view.face(corners, &world_from_local) else {
+                    continue;
+                };
+                if !wall.shows(&face) {
+                    continue;
+                }
+                self.cover.take_away(&face, look.viewport_size);
+                if self.cover.is_whole() {
+                    return true;
+                }
+                faces += 1;
+                if faces > MOST_FACES || !self.cover.is_open() {
+                    return false;
+                }
+            }
+        }
+        false
+    }
+
+    /// Looks for what is large enough on the screen, opaque for sure and drawn by this camera.
+    fn find(
+        &mut self,
+        walls: &Walls,
+        camera: &CameraInput,
+        look: &ViewInput,
+        meshes: &Assets<Mesh>,
+        materials: &Assets<StandardMaterial>,
+    ) {
+        self.walls.clear();
+        let clip_from_world = look.clip_from_view * DMat4::from(look.world_from_view.inverse());
+        let (up, depth) = (clip_from_world.row(1), clip_from_world.row(3));
+        let (up_length, depth_length) = (up.truncate().length(), depth.truncate().length());
+        for wall in &walls.objects {
+            let half = wall.bounds.half_extents;
+            let radius = f64::from(wall.transform.radius_vec3a(half));
+            let center = wall.transform.transform_point(wall.bounds.center.into());
+            let w = depth.dot(center.as_dvec3().extend(1.0));
+            let is_large = radius * up_length >= LEAST_SIZE * w && w > -radius * depth_length;
+            if !is_large || !wall.visibility.get() {
+                continue;
+            }
+            let is_on_layer = match wall.layers {
+                Some(layers) => camera.layers.intersects(layers),
+                None => camera.layers.intersects(&RenderLayers::default()),
+            };
+            let Some(material) = materials.get(wall.material) else {
+                continue;
+            };
+            if is_on_layer && is_opaque(material) && meshes.get(wall.mesh).is_some_and(is_simple) {
+                self.walls.push(WallInView {
+                    entity: wall.entity,
+                    bounds: WorldBox::new(wall.transform, wall.bounds),
+                    drawn: drawn_faces(material.cull_mode, camera.inverts_culling),
+                });
+            }
+        }
+    }
+}
+
+impl WallInView {
+    /// Whether a face as it is seen by the camera is drawn.
+    fn shows(&self, face: &VisiblePolygon) -> bool {
+        let turn = if face.twice_area() > 0.0 {
+            Turn::Left
+        } else {
+            Turn::Right
+        };
+        self.drawn.is_none_or(|drawn| drawn == turn)
+    }
+}
+
+/// Whether all of its pixels are in the depth that mirrors are tested against.
+fn is_opaque(material: &StandardMaterial) -> bool {
+    material.alpha_mode == AlphaMode::Opaque
+        && material.specular_transmission == 0.0
+        && material.depth_bias == 0.0
+}
+
+/// Whether it is drawn as it is here, and worth to be looked at.
+fn is_simple(mesh: &Mesh) -> bool {
+    mesh.asset_usage.contains(RenderAssetUsages::RENDER_WORLD)
+        && mesh.primitive_topology() == PrimitiveTopology::TriangleList
+        && mesh
+            .try_indices()
+            .is_ok_and(|indices| indices.len() <= 3 * MOST_TRIANGLES)
+}
+
+/// How the vertices turn of the faces that a material shows; `None` for all.
+fn drawn_faces(culled: Option<Face>, is_inverted: bool) -> Option<Turn> {
+    let front = if is_inverted { Turn::Right } else { Turn::Left };
+    let back = if is_inverted { Turn::Left } else { Turn::Right };
+    culled.map(|culled| match culled {
+        Face::Front => back,
+        Face::Back => front,
+    })
+}

@@ -1,0 +1,253 @@
+//! Mirrors that are hidden by what stands before them.
+
+use std::f32::consts::PI;
+
+use bevy::{
+    asset::RenderAssetUsages,
+    camera::visibility::{RenderLayers, VisibilityRange},
+    mesh::{Indices, morph::MeshMorphWeights, skinning::SkinnedMesh},
+    prelude::*,
+    render::render_resource::Face,
+};
+use bevy_planar_mirror::{MirrorFigures, NotDrawn, PlanarMirror, PlanarMirrorPlugin};
+
+use super::app::{EYE, MirrorApp, PLAIN, mirror_app, mirror_app_of, not};
+
+/// Halfway between the camera and a mirror at the origin.
+const WALL: Transform = Transform::from_xyz(0.0, 0.0, 2.5);
+
+/// A wall before a mirror, and the camera that sees nothing of the mirror for that.
+struct Hidden {
+    app: MirrorApp,
+    camera: Entity,
+    mirror: Entity,
+    wall: Entity,
+}
+
+fn paint(app: &mut MirrorApp, material: StandardMaterial) -> MeshMaterial3d<StandardMaterial> {
+    let mut materials = app.world_mut().resource_mut::<Assets<StandardMaterial>>();
+    MeshMaterial3d(materials.add(material))
+}
+
+fn painted_app() -> MirrorApp {
+    let mut app = mirror_app();
+    app.init_asset::<StandardMaterial>();
+    app
+}
+
+fn spawn_wall(app: &mut MirrorApp, mesh: impl Into<Mesh>, place: Transform) -> Entity {
+    let mesh = app.mesh(mesh);
+    let material = paint(app, StandardMaterial::default());
+    app.spawn((Mesh3d(mesh), material, place))
+}
+
+impl Hidden {
+    fn new() -> Self {
+        Self::behind(Rectangle::new(2.0, 2.0))
+    }
+
+    fn behind(mesh: impl Into<Mesh>) -> Self {
+        let mut app = painted_app();
+        let camera = app.spawn_camera(EYE);
+        let mirror = app.spawn_mirror(default());
+        let wall = spawn_wall(&mut app, mesh, WALL);
+        app.update();
+        Self {
+            app,
+            camera,
+            mirror,
+            wall,
+        }
+    }
+
+    /// From this very frame on it is or is not.
+    #[track_caller]
+    fn assert_hidden(&mut self, is_hidden: bool) {
+        let state = if is_hidden {
+            not(NotDrawn::Occluded)
+        } else {
+            PLAIN
+        };
+        self.app.update();
+        self.app.assert_state(self.mirror, self.camera, state);
+        assert_eq!(self.app.views().is_empty(), is_hidden);
+    }
+
+    /// Changed so, the wall hides the mirror or does not.
+    #[track_caller]
+    fn assert_with(is_hidden: bool, change: impl FnOnce(&mut MirrorApp, Entity)) {
+        let mut hidden = Self::new();
+        hidden.assert_hidden(true);
+        change(&mut hidden.app, hidden.wall);
+        hidden.assert_hidden(is_hidden);
+    }
+}
+
+#[test]
+fn a_mirror_behind_a_wall_has_no_view() {
+    let mut hidden = Hidden::new();
+    hidden.assert_hidden(true);
+    assert!(
+        hidden
+            .app
+            .world()
+            .resource::<MirrorFigures>()
+            .views
+            .is_empty()
+    );
+    hidden.app.updates(100);
+    let wall = hidden.wall;
+    hidden.app.of_mut::<Transform>(wall).translation.x = 0.7;
+    hidden.assert_hidden(false);
+    hidden.app.of_mut::<Transform>(wall).translation.x = 0.0;
+    hidden.assert_hidden(true);
+    // The eye looks past it.
+    let camera = hidden.camera;
+    hidden.app.of_mut::<Transform>(camera).translation.x = 1.2;
+    hidden.assert_hidden(false);
+    hidden.app.of_mut::<Transform>(camera).translation.x = 0.0;
+    hidden.assert_hidden(true);
+    hidden.app.despawn(wall);
+    hidden.assert_hidden(false);
+}
+
+#[test]
+fn what_is_not_surely_drawn_hides_nothing() {
+    let with = |change: fn(&mut StandardMaterial)| {
+        move |app: &mut MirrorApp, wall: Entity| {
+            let mut material = StandardMaterial::default();
+            change(&mut material);
+            let material = paint(app, material);
+            app.insert(wall, material);
+        }
+    };
+    for change in [
+        (|material| material.alpha_mode = AlphaMode::Blend) as fn(&mut StandardMaterial),
+        |material| material.alpha_mode = AlphaMode::Mask(0.5),
+        |material| material.alpha_mode = AlphaMode::AlphaToCoverage,
+        |material| material.specular_transmission = 0.5,
+        |material| material.depth_bias = -100.0,
+        |material| material.cull_mode = Some(Face::Front),
+    ] {
+        Hidden::assert_with(false, with(change));
+    }
+    Hidden::assert_with(false, |app, wall| app.insert(wall, Visibility::Hidden));
+    Hidden::assert_with(false, |app, wall| app.insert(wall, RenderLayers::layer(3)));
+    Hidden::assert_with(false, |app, wall| {
+        app.insert(wall, VisibilityRange::abrupt(0.0, 100.0));
+    });
+    Hidden::assert_with(false, |app, wall| app.insert(wall, SkinnedMesh::default()));
+    Hidden::assert_with(false, |app, wall| {
+        let weights = MeshMorphWeights::Value { weights: vec![0.5] };
+        app.insert(wall, weights);
+    });
+    Hidden::assert_with(false, |app, wall| app.insert(wall, PlanarMirror::default()));
+    Hidden::assert_with(false, |app, wall| {
+        app.remove::<MeshMaterial3d<StandardMaterial>>(wall);
+    });
+    // Its back.
+    Hidden::assert_with(false, |app, wall| {
+        app.of_mut::<Transform>(wall).rotation = Quat::from_rotation_y(PI);
+    });
+    // Mirrored by its transform, it shows its back as well.
+    Hidden::assert_with(false, |app, wall| {
+        app.of_mut::<Transform>(wall).scale.x = -1.0
+    });
+}
+
+#[test]
+fn what_is_drawn_from_behind_hides_too() {
+    let turn = |app: &mut MirrorApp, wall: Entity| {
+        app.of_mut::<Transform>(wall).rotation = Quat::from_rotation_y(PI);
+    };
+    for culled in [None, Some(Face::Front)] {
+        Hidden::assert_with(true, |app, wall| {
+            turn(app, wall);
+            let material = paint(
+                app,
+                StandardMaterial {
+                    cull_mode: culled,
+                    ..default()
+                },
+            );
+            app.insert(wall, material);
+        });
+    }
+    let mut hidden = Hidden::new();
+    let camera = hidden.camera;
+    hidden.app.of_mut::<Camera>(camera).invert_culling = true;
+    hidden.assert_hidden(false);
+    turn(&mut hidden.app, hidden.wall);
+    hidden.assert_hidden(true);
+}
+
+#[test]
+fn meshes_that_cannot_be_read_hide_nothing() {
+    let mut unseen = Rectangle::new(2.0, 2.0).mesh().build();
+    unseen.asset_usage = RenderAssetUsages::MAIN_WORLD;
+    Hidden::behind(unseen).assert_hidden(false);
+    let mut unindexed = Rectangle::new(2.0, 2.0).mesh().build();
+    unindexed.duplicate_vertices();
+    Hidden::behind(unindexed).assert_hidden(false);
+    let mut dangling = Rectangle::new(2.0, 2.0).mesh().build();
+    dangling.insert_indices(Indices::U32(vec![0, 1, 9, 0, 2, 7]));
+    Hidden::behind(dangling).assert_hidden(false);
+    Hidden::behind(Sphere::new(2.0).mesh().ico(5).expect("it is small")).assert_hidden(false);
+}
+
+#[test]
+fn several_hide_it_together() {
+    let mut hidden = Hidden::behind(Cuboid::new(0.6, 2.0, 0.2));
+    hidden.assert_hidden(false);
+    let right = Transform::from_xyz(0.55, 0.0, 2.0);
+    spawn_wall(&mut hidden.app, Cuboid::new(1.0, 3.0, 0.2), right);
+    hidden.assert_hidden(false);
+    let left = Transform::from_xyz(-0.55, 0.0, 3.0);
+    let left = spawn_wall(&mut hidden.app, Cuboid::new(1.0, 3.0, 0.2), left);
+    hidden.assert_hidden(true);
+    // A door in it opens.
+    hidden.app.of_mut::<Transform>(left).translation.x = -0.9;
+    hidden.assert_hidden(false);
+}
+
+#[test]
+fn of_several_mirrors_only_those_behind_the_wall_are_left_out() {
+    let mut hidden = Hidden::new();
+    let beside = hidden.app.spawn_mirror(Transform::from_xyz(2.5, 0.0, 0.0));
+    hidden.app.update();
+    let (camera, mirror) = (hidden.camera, hidden.mirror);
+    hidden
+        .app
+        .assert_state(mirror, camera, not(NotDrawn::Occluded));
+    hidden.app.assert_state(beside, camera, PLAIN);
+    // For another camera it is the other one.
+    let other = hidden.app.spawn_camera(Transform::from_xyz(2.5, 0.0, 5.0));
+    let second = Transform::from_xyz(2.5, 0.0, 2.5);
+    spawn_wall(&mut hidden.app, Rectangle::new(2.0, 2.0), second);
+    hidden.app.update();
+    hidden.app.assert_state(mirror, other, PLAIN);
+    hidden
+        .app
+        .assert_state(beside, other, not(NotDrawn::Occluded));
+}
+
+/// What hides one mirror in another is not looked for.
+#[test]
+fn mirrors_in_mirrors_are_drawn() {
+    let mut app = mirror_app_of(PlanarMirrorPlugin {
+        max_bounces: 2,
+        ..default()
+    });
+    app.init_asset::<StandardMaterial>();
+    app.spawn_camera(EYE);
+    app.spawn_mirror(default());
+    let opposite = Transform::from_xyz(0.0, 0.0, 9.0).with_rotation(Quat::from_rotation_y(PI));
+    let opposite = app.spawn_mirror(opposite.with_scale(Vec3::splat(0.1)));
+    let wall = Transform::from_xyz(0.0, 0.0, 8.0);
+    spawn_wall(&mut app, Cuboid::new(1.0, 1.0, 0.1), wall);
+    app.update();
+    assert_eq!(app.views().len(), 2);
+    app.despawn(opposite);
+    app.update();
+    assert_eq!(app.views().len(), 1);
+}
