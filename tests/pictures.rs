@@ -13,6 +13,7 @@ mod pictures {
     mod company;
     mod contents;
     mod continuity;
+    mod cover;
     mod cutting;
     mod effects;
     mod extremes;

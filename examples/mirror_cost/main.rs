@@ -7,7 +7,7 @@
 //! |---|---|
 //! | `rows.rs` | what is compared with what |
 //! | `rooms.rs`, `crowd.rs` | in which scenes |
-//! | `idle.rs`, `maths.rs` | how long the plugin's own systems take, and its maths |
+//! | `systems.rs`, `maths.rs` | how long the plugin's own systems take, and its maths |
 //! | `contest.rs` | how long the frames of several apps take, in turn |
 //! | `estimate.rs` | what ratio that is, and how sure |
 //! | `told.rs` | the table and the CSV |
@@ -34,7 +34,6 @@ mod estimate;
 #[path = "../error_vs_time/frames.rs"]
 #[expect(dead_code, reason = "error_vs_time needs more of it")]
 mod frames;
-mod idle;
 #[path = "../error_vs_time/lens.rs"]
 #[allow(dead_code, reason = "error_vs_time and the tests need more of it")]
 mod lens;
@@ -69,6 +68,7 @@ mod stats;
     reason = "the picture tests need more of it"
 )]
 mod support;
+mod systems;
 mod told;
 
 use indicatif::{ProgressBar, ProgressStyle};

@@ -6,8 +6,9 @@ use crate::{
     crowd,
     estimate::Part,
     frames::FrameTimes,
-    idle, maths, rooms,
+    maths, rooms,
     support::scene::{Scene, Surface},
+    systems,
 };
 
 #[derive(Clone)]
@@ -103,7 +104,14 @@ pub fn all() -> Vec<Row> {
             compared: "the plugin's systems in the main world, 1000 mirrors, none seen",
             goal: Some(100.0),
             unit: " us",
-            measure: idle::measure,
+            measure: systems::of_unseen_mirrors,
+        },
+        Row {
+            name: "walls",
+            compared: "the search for what hides a mirror, 10 000 objects, 100 of them large",
+            goal: None,
+            unit: " us",
+            measure: systems::of_walls,
         },
         nanoseconds(
             "plan",

@@ -12,7 +12,7 @@
 use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4, Vec4Swizzles};
 
 use super::{
-    polygon::{VisiblePolygon, clip_polygon_within},
+    polygon::{NOWHERE, VisiblePolygon, clip_polygon_within},
     projection::BaseProjection,
     view::{ReflectedViewPlan, ViewInput},
 };
@@ -31,8 +31,10 @@ const MIN_FACE_PX: f64 = 1.0 / 16.0;
 const ROUNDING_STEPS: f64 = 8.0;
 
 /// What is seen of one mirror by one camera, less the faces that hide it.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Cover {
+    /// Without any face.
+    mirror: VisiblePolygon,
     left: Vec<VisiblePolygon>,
     /// Of pieces too thin to be kept, in pixels.
     thin_px: f64,
@@ -40,9 +42,22 @@ pub struct Cover {
     before: Vec<VisiblePolygon>,
 }
 
+impl Default for Cover {
+    /// Of nothing at all.
+    fn default() -> Self {
+        Self {
+            mirror: VisiblePolygon::EMPTY,
+            left: Vec::new(),
+            thin_px: 0.0,
+            before: Vec::new(),
+        }
+    }
+}
+
 impl Cover {
     /// Begins with a mirror of which all is seen.
     pub fn begin(&mut self, mirror: &VisiblePolygon) {
+        self.mirror = *mirror;
         self.thin_px = 0.0;
         self.left.clear();
         self.left.push(*mirror);
@@ -50,17 +65,38 @@ impl Cover {
 
     /// Whether nothing is left that would be drawn.
     pub fn is_whole(&self) -> bool {
-        self.left.is_empty() && self.thin_px < NEGLIGIBLE_PX
+        self.left.is_empty() && self.is_open()
     }
 
-    /// Whether it may still become so.
+    /// Whether it is worth to take away more.
     pub fn is_open(&self) -> bool {
         self.left.len() <= MAX_PIECES && self.thin_px < NEGLIGIBLE_PX
     }
 
-    /// What is left, in pieces.
+    /// What is left, in pieces that do not overlap. Of a mirror that was taken apart too finely it
+    /// is all of it.
     pub fn left(&self) -> &[VisiblePolygon] {
-        &self.left
+        if self.thin_px < NEGLIGIBLE_PX {
+            &self.left
+        } else {
+            core::slice::from_ref(&self.mirror)
+        }
+    }
+
+    /// The lowest and the highest coordinates on the screen of what is left.
+    pub fn ndc_bounds(&self) -> (DVec2, DVec2) {
+        self.left()
+            .iter()
+            .map(VisiblePolygon::ndc_bounds)
+            .fold(NOWHERE, |(low, high), piece| {
+                (low.min(piece.0), high.max(piece.1))
+            })
+    }
+
+    /// Its area in pixels.
+    pub fn area_px(&self, viewport_size: DVec2) -> f64 {
+        let areas = self.left().iter().map(|piece| piece.area_px(viewport_size));
+        areas.sum()
     }
 
     /// Takes away what is within a face, see [`CoverView::face`].

@@ -5,6 +5,9 @@ use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 /// A quad clipped by seven planes has at most eleven vertices; one to spare for rounding.
 const CAPACITY: usize = 12;
 
+/// The lowest and the highest coordinates of nothing.
+pub const NOWHERE: (DVec2, DVec2) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+
 /// A convex polygon in homogeneous clip space, inside the clip volume. Lives on the stack.
 #[derive(Clone, Copy, Debug)]
 pub struct VisiblePolygon {
@@ -77,9 +80,7 @@ impl VisiblePolygon {
     /// The lowest and the highest coordinates on the screen; `low > high` when empty.
     pub fn ndc_bounds(&self) -> (DVec2, DVec2) {
         self.ndc()
-            .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| {
-                (low.min(p), high.max(p))
-            })
+            .fold(NOWHERE, |(low, high), p| (low.min(p), high.max(p)))
     }
 
     /// The width of the narrowest strip of the screen that holds the polygon, in pixels of a

@@ -1,20 +1,21 @@
-//! Which mirrors are hidden by what stands before them, and need no view.
+//! What is seen of mirrors past what stands before them; what is hidden needs no view.
 //!
 //! The answer is this frame's and certain, so that a mirror is never late: hidden is what opaque
 //! meshes of few triangles, as walls and doors are, hide together. Of everything else it is not
 //! known whether it will be drawn, opaque and in this place, so it hides nothing.
 
 use bevy::{
-    asset::Assets,
-    asset::RenderAssetUsages,
+    asset::{Assets, RenderAssetUsages, VisitAssetDependencies},
     camera::{
         primitives::Aabb,
         visibility::{InheritedVisibility, RenderLayers, VisibilityRange},
     },
     ecs::{prelude::*, query::QueryData, system::SystemParam},
-    material::AlphaMode,
+    image::Image,
+    material::{AlphaMode, OpaqueRendererMethod},
     mesh::{Mesh, Mesh3d, PrimitiveTopology, morph::MeshMorphWeights, skinning::SkinnedMesh},
-    pbr::{MeshMaterial3d, StandardMaterial},
+    pbr::{DefaultOpaqueRendererMethod, MeshMaterial3d, StandardMaterial},
+    reflect::tuple_struct::GetTupleStructField,
     render::render_resource::Face,
     transform::components::GlobalTransform,
 };
@@ -39,6 +40,8 @@ pub struct Walls<'w, 's> {
     objects: Query<'w, 's, Wall, Rigid>,
     meshes: Option<Res<'w, Assets<Mesh>>>,
     materials: Option<Res<'w, Assets<StandardMaterial>>>,
+    images: Option<Res<'w, Assets<Image>>>,
+    default_method: Option<Res<'w, DefaultOpaqueRendererMethod>>,
 }
 
 #[derive(QueryData)]
@@ -83,32 +86,79 @@ enum Turn {
     Right,
 }
 
+impl Walls<'_, '_> {
+    /// Whether it is drawn, and all of its pixels are in the depth that mirrors are tested against.
+    fn is_opaque(&self, material: &StandardMaterial) -> bool {
+        material.alpha_mode == AlphaMode::Opaque
+            && material.specular_transmission == 0.0
+            && material.depth_bias == 0.0
+            && self.is_forward(material)
+            && self.is_loaded(material)
+    }
+
+    /// What is to be drawn deferred is not drawn by a forward camera, and others see no mirrors.
+    fn is_forward(&self, material: &StandardMaterial) -> bool {
+        match material.opaque_render_method {
+            OpaqueRendererMethod::Forward => true,
+            OpaqueRendererMethod::Deferred => false,
+            OpaqueRendererMethod::Auto => self
+                .default_method
+                .as_ref()
+                .is_none_or(|method| method.get_field(0) != Some(&OpaqueRendererMethod::Deferred)),
+        }
+    }
+
+    /// The engine does not draw what a texture is missing of.
+    fn is_loaded(&self, material: &StandardMaterial) -> bool {
+        let mut is_loaded = true;
+        material.visit_dependencies(&mut |id| {
+            let texture = id.try_typed::<Image>().ok().zip(self.images.as_ref());
+            is_loaded &= texture.is_some_and(|(id, images)| images.contains(id));
+        });
+        is_loaded
+    }
+}
+
 impl WallsInView {
     /// Begins with another camera.
     pub fn forget(&mut self) {
         self.is_known = false;
     }
 
-    /// Whether the walls hide all that the camera sees of the mirror it looks at.
-    pub fn hide(
+    /// What the camera sees of the mirror it looks at; `None` if the walls hide all of it.
+    pub fn seen(
+        &mut self,
+        walls: Option<&Walls>,
+        camera: &CameraInput,
+        look: &ViewInput,
+        plan: &ReflectedViewPlan,
+    ) -> Option<&Cover> {
+        self.cover.begin(&plan.polygon);
+        if let Some(walls) = walls {
+            self.take_away(walls, camera, look, plan);
+        }
+        (!self.cover.is_whole()).then_some(&self.cover)
+    }
+
+    fn take_away(
         &mut self,
         walls: &Walls,
         camera: &CameraInput,
         look: &ViewInput,
         plan: &ReflectedViewPlan,
-    ) -> bool {
+    ) {
         let (Some(meshes), Some(materials)) = (&walls.meshes, &walls.materials) else {
-            return false;
+            return;
         };
         if !self.is_known {
             self.is_known = true;
-            self.find(walls, camera, look, meshes, materials);
+            self.find(walls, meshes, materials, camera, look);
         }
         if self.walls.is_empty() {
-            return false;
+            return;
         }
         let Some(view) = CoverView::new(look, plan) else {
-            return false;
+            return;
         };
         let view_from_world = DMat4::from(look.world_from_view.inverse());
         self.sides.clear();
@@ -117,7 +167,6 @@ impl WallsInView {
             edge_sides(&plan.polygon, &look.clip_from_view, look.viewport_size)
                 .map(|side| view_from_world.transpose() * side),
         );
-        self.cover.begin(&plan.polygon);
         let mut faces = 0;
         for wall in &self.walls {
             let is_beside = |side: &DVec4| wall.bounds.range(*side).1 < 0.0;
@@ -140,26 +189,23 @@ impl WallsInView {
                     continue;
                 }
                 self.cover.take_away(&face, look.viewport_size);
-                if self.cover.is_whole() {
-                    return true;
-                }
                 faces += 1;
-                if faces > MOST_FACES || !self.cover.is_open() {
-                    return false;
+                let is_done = self.cover.is_whole() || !self.cover.is_open();
+                if is_done || faces == MOST_FACES {
+                    return;
                 }
             }
         }
-        false
     }
 
     /// Looks for what is large enough on the screen, opaque for sure and drawn by this camera.
     fn find(
         &mut self,
         walls: &Walls,
-        camera: &CameraInput,
-        look: &ViewInput,
         meshes: &Assets<Mesh>,
         materials: &Assets<StandardMaterial>,
+        camera: &CameraInput,
+        look: &ViewInput,
     ) {
         self.walls.clear();
         let clip_from_world = look.clip_from_view * DMat4::from(look.world_from_view.inverse());
@@ -178,10 +224,12 @@ impl WallsInView {
                 Some(layers) => camera.layers.intersects(layers),
                 None => camera.layers.intersects(&RenderLayers::default()),
             };
-            let Some(material) = materials.get(wall.material) else {
+            let (Some(mesh), Some(material)) =
+                (meshes.get(wall.mesh), materials.get(wall.material))
+            else {
                 continue;
             };
-            if is_on_layer && is_opaque(material) && meshes.get(wall.mesh).is_some_and(is_simple) {
+            if is_on_layer && is_simple(mesh) && walls.is_opaque(material) {
                 self.walls.push(WallInView {
                     entity: wall.entity,
                     bounds: WorldBox::new(wall.transform, wall.bounds),
@@ -202,13 +250,6 @@ impl WallInView {
         };
         self.drawn.is_none_or(|drawn| drawn == turn)
     }
-}
-
-/// Whether all of its pixels are in the depth that mirrors are tested against.
-fn is_opaque(material: &StandardMaterial) -> bool {
-    material.alpha_mode == AlphaMode::Opaque
-        && material.specular_transmission == 0.0
-        && material.depth_bias == 0.0
 }
 
 /// Whether it is drawn as it is here, and worth to be looked at.

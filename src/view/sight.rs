@@ -69,7 +69,8 @@ struct SeenMirror {
     entity: Entity,
     corners: Option<[DVec3; 4]>,
     plan: ReflectedViewPlan,
-    /// What is seen of it.
+    /// Of what is seen of it.
+    ndc_bounds: (DVec2, DVec2),
     pixels: f64,
     group: usize,
 }
@@ -100,23 +101,28 @@ impl Sight {
         self.seen.clear();
         self.groups.clear();
         for (mirror, input) in mirrors.iter().enumerate() {
-            match viewer.plan(&input) {
-                Ok((look, plan)) if self.is_hidden(viewer, &look, &plan) => {
-                    tell(mirror, Err(NotDrawn::Occluded));
+            let (look, plan) = match viewer.plan(&input) {
+                Ok(planned) => planned,
+                Err(reason) => {
+                    tell(mirror, Err(reason));
+                    continue;
                 }
-                Ok((look, plan)) => {
-                    let seen = SeenMirror {
-                        mirror,
-                        entity: input.entity,
-                        corners: look.corners,
-                        plan,
-                        pixels: plan.polygon.area_px(viewer.viewport_size()),
-                        group: 0,
-                    };
-                    self.add(seen, input.settings, look.plane);
-                }
-                Err(reason) => tell(mirror, Err(reason)),
-            }
+            };
+            let in_view = self.walls.seen(viewer.walls, viewer.camera, &look, &plan);
+            let Some(in_view) = in_view else {
+                tell(mirror, Err(NotDrawn::Occluded));
+                continue;
+            };
+            let seen = SeenMirror {
+                mirror,
+                entity: input.entity,
+                corners: look.corners,
+                plan,
+                ndc_bounds: in_view.ndc_bounds(),
+                pixels: in_view.area_px(look.viewport_size),
+                group: 0,
+            };
+            self.add(seen, input.settings, look.plane);
         }
         // The order does not depend on the place on the screen unless something must be left out.
         let groups = &self.groups;
@@ -181,12 +187,6 @@ impl Sight {
         }
     }
 
-    fn is_hidden(&mut self, viewer: &Viewer, look: &ViewInput, plan: &ReflectedViewPlan) -> bool {
-        viewer
-            .walls
-            .is_some_and(|walls| self.walls.hide(walls, viewer.camera, look, plan))
-    }
-
     fn add(&mut self, mut seen: SeenMirror, settings: &PlanarMirror, plane: Plane) {
         let PlanarMirror { clip, shadows, .. } = *settings;
         let known = seen.corners.and_then(|corners| {
@@ -215,10 +215,6 @@ impl Viewer<'_> {
     /// The reflected view in which it saw the mirror in the last frame.
     fn view_of(&self, mirror: Entity) -> Option<Entity> {
         self.last.get(&(self.entity?, mirror)).copied()
-    }
-
-    fn viewport_size(&self) -> DVec2 {
-        self.view.map_or(DVec2::ZERO, |view| view.viewport_size)
     }
 
     /// How it looks at the mirror, and what follows from that.
@@ -286,11 +282,8 @@ impl Viewer<'_> {
 
 /// The device coordinates of what is seen of all these.
 fn joint_bounds(members: &[SeenMirror]) -> (DVec2, DVec2) {
-    members
-        .iter()
-        .map(|seen| seen.plan.polygon.ndc_bounds())
-        .fold(
-            (DVec2::INFINITY, DVec2::NEG_INFINITY),
-            |(low, high), bounds| (low.min(bounds.0), high.max(bounds.1)),
-        )
+    members.iter().map(|seen| seen.ndc_bounds).fold(
+        (DVec2::INFINITY, DVec2::NEG_INFINITY),
+        |(low, high), bounds| (low.min(bounds.0), high.max(bounds.1)),
+    )
 }

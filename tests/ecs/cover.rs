@@ -5,7 +5,9 @@ use std::f32::consts::PI;
 use bevy::{
     asset::RenderAssetUsages,
     camera::visibility::{RenderLayers, VisibilityRange},
+    material::OpaqueRendererMethod,
     mesh::{Indices, morph::MeshMorphWeights, skinning::SkinnedMesh},
+    pbr::DefaultOpaqueRendererMethod,
     prelude::*,
     render::render_resource::Face,
 };
@@ -127,6 +129,7 @@ fn what_is_not_surely_drawn_hides_nothing() {
         |material| material.alpha_mode = AlphaMode::AlphaToCoverage,
         |material| material.specular_transmission = 0.5,
         |material| material.depth_bias = -100.0,
+        |material| material.opaque_render_method = OpaqueRendererMethod::Deferred,
         |material| material.cull_mode = Some(Face::Front),
     ] {
         Hidden::assert_with(false, with(change));
@@ -153,6 +156,39 @@ fn what_is_not_surely_drawn_hides_nothing() {
     Hidden::assert_with(false, |app, wall| {
         app.of_mut::<Transform>(wall).scale.x = -1.0
     });
+}
+
+#[test]
+fn walls_whose_textures_are_not_loaded_hide_nothing() {
+    let mut hidden = Hidden::new();
+    let images = hidden.app.world().resource::<Assets<Image>>();
+    let texture = images.reserve_handle();
+    let material = StandardMaterial {
+        base_color_texture: Some(texture.clone()),
+        ..default()
+    };
+    let material = paint(&mut hidden.app, material);
+    let wall = hidden.wall;
+    hidden.app.insert(wall, material);
+    hidden.assert_hidden(false);
+    let mut images = hidden.app.world_mut().resource_mut::<Assets<Image>>();
+    images
+        .insert(texture.id(), Image::default())
+        .expect("it is reserved");
+    hidden.assert_hidden(true);
+}
+
+#[test]
+fn where_all_is_drawn_deferred_a_camera_that_does_not_sees_no_walls() {
+    let mut hidden = Hidden::new();
+    hidden
+        .app
+        .insert_resource(DefaultOpaqueRendererMethod::deferred());
+    hidden.assert_hidden(false);
+    hidden
+        .app
+        .insert_resource(DefaultOpaqueRendererMethod::forward());
+    hidden.assert_hidden(true);
 }
 
 #[test]
@@ -208,6 +244,28 @@ fn several_hide_it_together() {
     // A door in it opens.
     hidden.app.of_mut::<Transform>(left).translation.x = -0.9;
     hidden.assert_hidden(false);
+}
+
+#[test]
+fn a_view_is_narrowed_to_what_a_wall_leaves() {
+    let mut hidden = Hidden::new();
+    let [left, right] = [-0.7, 0.7].map(|x| hidden.app.spawn_cube(0.1, Vec3::new(x, 0.0, 2.0)));
+    let (camera, mirror, wall) = (hidden.camera, hidden.mirror, hidden.wall);
+    let mut figures = |place: f32| {
+        hidden.app.of_mut::<Transform>(wall).translation.x = place;
+        hidden.app.update();
+        let figures = hidden.app.world().resource::<MirrorFigures>();
+        let pixels = figures.views[0].pixels;
+        let view = hidden.app.view(camera, mirror);
+        let visible = hidden.app.visible_to(view);
+        (pixels, visible.contains(&left), visible.contains(&right))
+    };
+    let (all, ..) = figures(9.0);
+    assert_eq!(figures(9.0), (all, true, true));
+    let (half, sees_left, sees_right) = figures(1.0);
+    assert!((half / all - 0.5).abs() < 1e-3, "{half} of {all}");
+    assert!(sees_left && !sees_right);
+    assert_eq!(figures(-1.0), (half, false, true));
 }
 
 #[test]
