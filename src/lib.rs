@@ -98,8 +98,12 @@
 //! shadows those that fall on what shows, which [`MirrorShadows::Off`] spares. Where no more than
 //! eight lamps reach what shows, or 32 of a small mirror, they need no light clusters; with a light
 //! probe or a clustered decal anywhere in the world they do. Mirrors in one plane share a view, so
-//! that a floor of tiles costs as one mirror. A mirror that is hidden by what stands before it is
-//! not told from one that is seen, but none of its pixels are shaded.
+//! that a floor of tiles costs as one mirror.
+//!
+//! What walls hide of a mirror costs nothing: opaque meshes of few triangles, see
+//! [`NotDrawn::Occluded`]. They may hide it together, and what moves is taken where it is in this
+//! very frame. Behind anything else, and in another mirror, a hidden mirror has its view, but none
+//! of its pixels are shaded.
 //!
 //! # Mirrors in mirrors
 //!
@@ -137,7 +141,7 @@
 //! # How it works
 //!
 //! 1. The plane is fitted to the mesh, in `f64`: [`math::fit_patch`].
-//! 2. For each camera that sees the front of it there is a *reflected view*: the camera, reflected
+//! 2. For each camera that sees the front of it, past the walls before it, there is a *reflected view*: the camera, reflected
 //!    about the plane, with the same projection and without a target of its own. Bevy finds what is
 //!    visible from there, and sorts and batches it as for any view.
 //! 3. What lies wholly behind the plane is dropped. If something crosses the plane, the view's near

@@ -82,8 +82,8 @@ pub enum NotDrawn {
     /// Opaque things before the mirror hide all of it from the camera.
     ///
     /// Such are meshes of at most 128 triangles, kept in the main world, with an opaque
-    /// `StandardMaterial`. What else hides a mirror is not looked at, and the reflection is then
-    /// drawn, though no pixel of it is shaded.
+    /// `StandardMaterial` whose textures are loaded. They must span a sixteenth of the picture's
+    /// height. Behind anything else the reflection is drawn, though no pixel of it is shaded.
     Occluded,
     /// What is seen of the mirror is thinner than half a pixel; if the mirror was drawn in the frame
     /// before, than a quarter.
@@ -120,8 +120,8 @@ pub struct ViewFigures {
     /// How often a ray is reflected on its way to the camera: 1 if the camera sees the mirror
     /// itself.
     pub bounces: u8,
-    /// What is seen of the mirrors on the screen, in physical pixels, before anything that hides
-    /// them.
+    /// What is seen of the mirrors on the screen, in physical pixels. What hides a part of them
+    /// counts where it is of the kind of [`NotDrawn::Occluded`].
     pub pixels: f32,
     /// Meshes and other objects that are drawn in it.
     pub objects: usize,

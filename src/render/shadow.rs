@@ -17,7 +17,10 @@ use bevy::{
     core_pipeline::core_3d::CORE_3D_DEPTH_FORMAT,
     ecs::{prelude::*, system::SystemParam},
     log::error,
-    pbr::{LightEntity, Shadow, ShadowView, ViewLightEntities, ViewShadowBindings},
+    pbr::{
+        ExtractedDirectionalLight, LightEntity, MAX_CASCADES_PER_LIGHT, Shadow, ShadowView,
+        ViewLightEntities, ViewShadowBindings,
+    },
     render::{
         occlusion_culling::{OcclusionCulling, OcclusionCullingSubview},
         render_phase::ViewBinnedRenderPhases,
@@ -229,6 +232,7 @@ pub struct MirrorShadowPasses<'w, 's> {
     cache: Res<'w, PipelineCache>,
     phases: Res<'w, ViewBinnedRenderPhases<Shadow>>,
     views: Query<'w, 's, (&'static ExtractedView, &'static LightEntity)>,
+    suns: Query<'w, 's, &'static ExtractedDirectionalLight>,
 }
 
 impl MirrorShadowPasses<'_, '_> {
@@ -260,12 +264,23 @@ impl MirrorShadowPasses<'_, '_> {
         ctx: &mut RenderContext,
     ) {
         let clear = self.pipeline(self.pipelines.clear);
-        for (&light_view, target) in cascades.lights.iter().zip(&self.maps.layers) {
+        let mut first_layers = FirstLayers::default();
+        for &light_view in &cascades.lights {
             let Ok((view, light)) = self.views.get(light_view) else {
                 continue;
             };
-            let (Some(read), Some(phase)) = (
-                read.iter().find(|read| read.is_of(light)),
+            let LightEntity::Directional {
+                light_entity,
+                cascade_index,
+            } = *light
+            else {
+                continue;
+            };
+            let first_layer = first_layers.of(light_entity, &self.suns);
+            let (Some(target), Some(read), Some(phase)) = (
+                self.maps.layers.get(first_layer + cascade_index),
+                read.iter()
+                    .find(|read| (read.light, read.index) == (light_entity, cascade_index)),
                 self.phases.get(&view.retained_view_entity),
             ) else {
                 continue;
@@ -305,10 +320,27 @@ impl MirrorShadowPasses<'_, '_> {
     }
 }
 
-impl ExtractedCascade {
-    fn is_of(&self, light: &LightEntity) -> bool {
-        matches!(light, LightEntity::Directional { light_entity, cascade_index }
-            if (*light_entity, *cascade_index) == (self.light, self.index))
+/// Where the layers of each light begin. The engine counts all cascades that a light is set up to
+/// have, also where a reflected view has fewer.
+#[derive(Default)]
+struct FirstLayers {
+    light: Option<Entity>,
+    first: usize,
+    next: usize,
+}
+
+impl FirstLayers {
+    /// Of the same light as before, or of the next one.
+    fn of(&mut self, light: Entity, suns: &Query<&ExtractedDirectionalLight>) -> usize {
+        if self.light != Some(light) {
+            self.light = Some(light);
+            self.first = self.next;
+            self.next += suns.get(light).map_or(0, |sun| {
+                let cascades = sun.cascade_shadow_config.bounds.len();
+                cascades.min(MAX_CASCADES_PER_LIGHT)
+            });
+        }
+        self.first
     }
 }
 

@@ -31,7 +31,8 @@ use crate::{
 const MOST_TRIANGLES: usize = 128;
 /// Of so many faces before a mirror no more are looked at.
 const MOST_FACES: usize = 512;
-/// What spans less of half the picture's height hides none but the smallest mirrors.
+/// The radius of what may hide a mirror, at least, as a share of half the picture's height. What is
+/// smaller hides none but the smallest mirrors.
 const LEAST_SIZE: f64 = 1.0 / 16.0;
 
 /// Everything that may hide a mirror.
@@ -68,6 +69,8 @@ type Rigid = (
 pub struct WallsInView {
     /// Whether they have been looked for: only if there is a mirror to hide.
     is_known: bool,
+    /// The largest on the screen come first, so that small things do not cut in pieces what a large
+    /// one hides.
     walls: Vec<WallInView>,
     sides: Vec<DVec4>,
     cover: Cover,
@@ -76,6 +79,8 @@ pub struct WallsInView {
 struct WallInView {
     entity: Entity,
     bounds: WorldBox,
+    /// Its radius as a share of half the picture's height; infinite around the eye.
+    size: f64,
     /// Which of its faces are drawn: those whose vertices turn to the left, to the right, or all.
     drawn: Option<Turn>,
 }
@@ -216,8 +221,13 @@ impl WallsInView {
             let radius = f64::from(wall.transform.radius_vec3a(half));
             let center = wall.transform.transform_point(wall.bounds.center.into());
             let w = depth.dot(center.as_dvec3().extend(1.0));
-            let is_large = radius * up_length >= LEAST_SIZE * w && w > -radius * depth_length;
-            if !is_large || !wall.visibility.get() {
+            let size = if w > 0.0 {
+                radius * up_length / w
+            } else {
+                f64::INFINITY
+            };
+            let is_behind = w <= -radius * depth_length;
+            if size < LEAST_SIZE || is_behind || !wall.visibility.get() {
                 continue;
             }
             let is_on_layer = match wall.layers {
@@ -233,10 +243,13 @@ impl WallsInView {
                 self.walls.push(WallInView {
                     entity: wall.entity,
                     bounds: WorldBox::new(wall.transform, wall.bounds),
+                    size,
                     drawn: drawn_faces(material.cull_mode, camera.inverts_culling),
                 });
             }
         }
+        self.walls
+            .sort_unstable_by(|a, b| b.size.total_cmp(&a.size).then(a.entity.cmp(&b.entity)));
     }
 }
 

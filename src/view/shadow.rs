@@ -51,8 +51,8 @@ fn cascade_near(config: &CascadeShadowConfig, index: usize) -> Option<f32> {
     Some((1.0 - config.overlap_proportion) * before)
 }
 
-/// Finds out which cascades of reflected views are read, and narrows the frusta by which their
-/// casters are found.
+/// Finds out which cascades of reflected views are read, narrows the frusta by which their casters
+/// are found, and takes away those beyond the last that is read.
 pub fn narrow_cascades(
     mut views: ResMut<ReflectedViews>,
     cameras: Query<(&Camera, Option<&ShadowFilteringMethod>)>,
@@ -60,7 +60,7 @@ pub fn narrow_cascades(
         Entity,
         &DirectionalLight,
         &CascadeShadowConfig,
-        &Cascades,
+        &mut Cascades,
         &mut CascadesFrusta,
     )>,
 ) {
@@ -77,22 +77,26 @@ pub fn narrow_cascades(
         let Ok((camera, filter)) = cameras.get(view) else {
             continue;
         };
-        for (entity, light, config, of_light, mut frusta) in &mut lights {
+        for (entity, light, config, mut of_light, mut frusta) in &mut lights {
             // Its cascades are those of the time when it still threw shadows.
             if !light.shadow_maps_enabled {
                 continue;
             }
-            let (Some(of_view), Some(frusta)) =
-                (of_light.cascades.get(&view), frusta.frusta.get_mut(&view))
-            else {
+            let (Some(of_view), Some(frusta)) = (
+                of_light.cascades.get_mut(&view),
+                frusta.frusta.get_mut(&view),
+            ) else {
                 continue;
             };
             let reach = reach_texels(light, filter);
-            for (index, (cascade, frustum)) in of_view.iter().zip(frusta).enumerate() {
+            // What is beyond the last that is read need not exist; but one cascade is expected.
+            let mut needed = 1;
+            for (index, (cascade, frustum)) in of_view.iter().zip(frusta.iter_mut()).enumerate() {
                 if !cascade_is_sampled(config, index, planned.depths) {
                     hold_nothing(frustum);
                     continue;
                 }
+                needed = index + 1;
                 let seen = reach
                     .and_then(|reach| Some((seen_corners(planned, camera, config, index)?, reach)));
                 if planned.shadows == MirrorShadows::Off {
@@ -106,6 +110,8 @@ pub fn narrow_cascades(
                     ndc_bounds: seen.map(|(corners, reach)| map_bounds(cascade, &corners, reach)),
                 });
             }
+            of_view.truncate(needed);
+            frusta.truncate(needed);
         }
         planned.cascades.end = cascades.len();
     }

@@ -246,6 +246,29 @@ fn several_hide_it_together() {
     hidden.assert_hidden(false);
 }
 
+/// Whatever was spawned first.
+#[test]
+fn small_things_between_do_not_matter() {
+    let mut app = painted_app();
+    let camera = app.spawn_camera(EYE);
+    let mirror = app.spawn_mirror(default());
+    for i in 0..100_u8 {
+        let (column, row) = (f32::from(i % 10), f32::from(i / 10));
+        let place = Transform::from_xyz(0.2 * column - 0.9, 0.2 * row - 0.9, 1.0);
+        let turn = Quat::from_rotation_z(f32::from(i));
+        spawn_wall(
+            &mut app,
+            Cuboid::from_length(0.15),
+            place.with_rotation(turn),
+        );
+    }
+    app.update();
+    app.assert_state(mirror, camera, PLAIN);
+    spawn_wall(&mut app, Cuboid::new(2.1, 2.1, 0.1), WALL);
+    app.update();
+    app.assert_state(mirror, camera, not(NotDrawn::Occluded));
+}
+
 #[test]
 fn a_view_is_narrowed_to_what_a_wall_leaves() {
     let mut hidden = Hidden::new();

@@ -242,7 +242,7 @@ fn a_view_has_a_place_but_no_transform_of_its_own() {
 fn figures_count_the_shadow_cascades_that_something_seen_reads() {
     let mut app = mirror_app();
     let mirror = app.spawn_mirror(default());
-    app.spawn_camera(EYE);
+    let camera = app.spawn_camera(EYE);
     app.spawn_cube(0.3, vec3(0.3, 0.0, 1.0));
     let cascades =
         |app: &super::app::MirrorApp| app.world().resource::<MirrorFigures>().views[0].cascades;
@@ -264,9 +264,17 @@ fn figures_count_the_shadow_cascades_that_something_seen_reads() {
     ));
     app.update();
     assert_eq!(cascades(&app), 1, "all that shows is within eight units");
+    // Those behind the last that is read do not exist; the camera has all of its own.
+    let existing = |app: &mut super::app::MirrorApp| {
+        let views = app.views();
+        let cascades = &app.of::<Cascades>(light).cascades;
+        [camera, views[0]].map(|view| cascades[&view].len())
+    };
+    assert_eq!(existing(&mut app), [4, 1]);
     app.spawn_cube(4.0, vec3(0.0, 0.0, 50.0));
     app.update();
     assert_eq!(cascades(&app), 4, "of which the last holds this");
+    assert_eq!(existing(&mut app), [4, 4]);
     app.of_mut::<PlanarMirror>(mirror).shadows = MirrorShadows::Off;
     app.update();
     assert_eq!(cascades(&app), 0);

@@ -10,14 +10,14 @@ use bevy::{
 use crate::support::{
     hall::hall,
     live::{Live, find, named},
-    props::at,
+    props::{at, lit},
     scene::Scene,
 };
 
 /// A way for the mirror not to be in view.
 type Hide = fn(&mut World, Entity);
 
-const WAYS: [(&str, Hide); 4] = [
+const WAYS: [(&str, Hide); 5] = [
     ("behind the camera", |world, mirror| {
         place(world, mirror, at(0.0, 0.5, 30.0))
     }),
@@ -27,6 +27,14 @@ const WAYS: [(&str, Hide); 4] = [
     }),
     ("hidden", |world, mirror| {
         world.entity_mut(mirror).insert(Visibility::Hidden);
+    }),
+    ("behind a wall", |world, _| {
+        let mesh = Mesh::from(Cuboid::new(9.0, 9.0, 0.1));
+        let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
+        let material = lit(Color::srgb(0.6, 0.6, 0.3));
+        let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
+        let material = MeshMaterial3d(materials.add(material));
+        world.spawn((Mesh3d(mesh), material, at(0.5, 1.0, 2.5)));
     }),
     ("gone", |world, mirror| {
         world.despawn(mirror);
