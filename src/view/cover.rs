@@ -33,7 +33,7 @@ const MOST_TRIANGLES: usize = 128;
 const MOST_FACES: usize = 512;
 /// The radius of what may hide a mirror, at least, as a share of half the picture's height. What is
 /// smaller hides none but the smallest mirrors.
-const LEAST_SIZE: f64 = 1.0 / 16.0;
+const LEAST_SIZE: f32 = 1.0 / 16.0;
 
 /// Everything that may hide a mirror.
 #[derive(SystemParam)]
@@ -80,7 +80,7 @@ struct WallInView {
     entity: Entity,
     bounds: WorldBox,
     /// Its radius as a share of half the picture's height; infinite around the eye.
-    size: f64,
+    size: f32,
     /// Which of its faces are drawn: those whose vertices turn to the left, to the right, or all.
     drawn: Option<Turn>,
 }
@@ -213,18 +213,21 @@ impl WallsInView {
         look: &ViewInput,
     ) {
         self.walls.clear();
+        // Roughly: what is left out here hides nothing, and the rest is looked at more closely.
         let clip_from_world = look.clip_from_view * DMat4::from(look.world_from_view.inverse());
-        let (up, depth) = (clip_from_world.row(1), clip_from_world.row(3));
-        let (up_length, depth_length) = (up.truncate().length(), depth.truncate().length());
+        let [up, depth] = [1, 3].map(|row| clip_from_world.row(row).as_vec4());
+        let [up_length, depth_length] = [up, depth].map(|row| row.truncate().length());
         for wall in &walls.objects {
-            let half = wall.bounds.half_extents;
-            let radius = f64::from(wall.transform.radius_vec3a(half));
-            let center = wall.transform.transform_point(wall.bounds.center.into());
-            let w = depth.dot(center.as_dvec3().extend(1.0));
+            let radius = wall.transform.radius_vec3a(wall.bounds.half_extents);
+            let center = wall
+                .transform
+                .affine()
+                .transform_point3a(wall.bounds.center);
+            let w = depth.dot(center.extend(1.0));
             let size = if w > 0.0 {
                 radius * up_length / w
             } else {
-                f64::INFINITY
+                f32::INFINITY
             };
             let is_behind = w <= -radius * depth_length;
             if size < LEAST_SIZE || is_behind || !wall.visibility.get() {
