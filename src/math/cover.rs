@@ -1,9 +1,9 @@
-//! Whether opaque faces that stand before a mirror hide all of it.
+//! What opaque faces that stand before a mirror leave of it to be seen.
 //!
 //! The visible polygon of the mirror is taken apart on the screen: of each of its pieces the part
 //! that lies within a face is thrown away, and what is outside of each edge of the face stays, as a
 //! piece of its own. The mirror is hidden when nothing is left. That is exact for any number of
-//! faces that hide it together, and where it becomes too much the answer is that it is seen.
+//! faces that hide it together; where the pieces become too many, more is left than is seen.
 //!
 //! A face hides a point of the mirror if the ray to it from the eye meets the face first. The eye is
 //! in front of the mirror's plane, and a ray meets a plane once: so what a face has in front of the

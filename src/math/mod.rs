@@ -10,7 +10,7 @@
 //! | `reflection` | where a point, a direction and a camera go by reflection |
 //! | `projection` | how a projection is undone, and what kind it is |
 //! | `polygon` | which part of the mirror a camera sees |
-//! | `cover` | whether what stands before the mirror hides all of it |
+//! | `cover` | what is left of that past what stands before the mirror |
 //! | `oblique` | how the near plane of a projection is moved to the mirror |
 //! | `noise` | how much of that survives single precision |
 //! | `side` | which objects lie in front of, behind and across the plane |

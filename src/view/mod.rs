@@ -10,7 +10,7 @@
 //! |---|---|
 //! | fit a plane to each mirror's mesh, and carry it into the world | `fit.rs` |
 //! | decide which camera sees which mirror | `decide.rs`, `sight.rs` |
-//! | leave out those that walls hide | `cover.rs` |
+//! | what walls leave of them to be seen | `cover.rs` |
 //! | bring the entities in line with that | `apply.rs`, `copy.rs` |
 //! | which lamps reach what is seen | `clusters.rs` |
 //! | after visibility: drop what is behind, choose the projection | `clip.rs` |
