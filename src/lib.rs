@@ -141,9 +141,9 @@
 //! # How it works
 //!
 //! 1. The plane is fitted to the mesh, in `f64`: [`math::fit_patch`].
-//! 2. For each camera that sees the front of it, past the walls before it, there is a *reflected view*: the camera, reflected
-//!    about the plane, with the same projection and without a target of its own. Bevy finds what is
-//!    visible from there, and sorts and batches it as for any view.
+//! 2. For each camera that sees the front of it, past the walls before it, there is a *reflected
+//!    view*: the camera, reflected about the plane, with the same projection and without a target
+//!    of its own. Bevy finds what is visible from there, and sorts and batches it as for any view.
 //! 3. What lies wholly behind the plane is dropped. If something crosses the plane, the view's near
 //!    plane is moved onto it ([`math::with_oblique_near_plane`]), which cuts it there.
 //! 4. Between the camera's opaque and transparent passes, the *mirror pass* draws the mesh into a

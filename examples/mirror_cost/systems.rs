@@ -89,7 +89,7 @@ fn spawn_things(app: &mut App) {
     let mut materials = app.world_mut().resource_mut::<Assets<StandardMaterial>>();
     let material = materials.add(StandardMaterial::default());
     for i in 0..THINGS {
-        // A sequence of golden ratios, which leaves no part of the room empty.
+        // A sequence of low discrepancy, which leaves no part of the room empty.
         let share = |ratio: f32| (f32::from(i) * ratio).fract() - 0.5;
         let place = Vec3::new(
             share(0.819_17) * 6.0,

@@ -12,7 +12,7 @@
 use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4, Vec4Swizzles};
 
 use super::{
-    polygon::{NOWHERE, VisiblePolygon, clip_polygon_within},
+    polygon::{VisiblePolygon, bounds_of, clip_polygon_within},
     projection::BaseProjection,
     view::{ReflectedViewPlan, ViewInput},
 };
@@ -85,12 +85,7 @@ impl Cover {
 
     /// The lowest and the highest coordinates on the screen of what is left.
     pub fn ndc_bounds(&self) -> (DVec2, DVec2) {
-        self.left()
-            .iter()
-            .map(VisiblePolygon::ndc_bounds)
-            .fold(NOWHERE, |(low, high), piece| {
-                (low.min(piece.0), high.max(piece.1))
-            })
+        bounds_of(self.left().iter().flat_map(VisiblePolygon::ndc))
     }
 
     /// Its area in pixels.

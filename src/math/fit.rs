@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3, Vec3};
 use super::{
     patch::{PlanarPatch, tangents},
     plane::direction,
+    polygon::bounds_of,
 };
 
 /// How far a vertex may leave the plane, as a share of the mesh's radius.
@@ -74,7 +75,7 @@ pub fn fit_patch(
     let (normal, centroid) = mean_plane(faces)?;
     check_flat(faces().flatten(), normal, centroid)?;
     let (tangent_x, tangent_y) = tangents(normal).ok_or(FitError::Empty)?;
-    let (low, high) = bounds(faces().flatten().map(|p| {
+    let (low, high) = bounds_of(faces().flatten().map(|p| {
         let from_center = p - centroid;
         DVec2::new(tangent_x.dot(from_center), tangent_y.dot(from_center))
     }));
@@ -142,10 +143,4 @@ fn check_flat(
     } else {
         Err(FitError::NotFlat { deviation })
     }
-}
-
-fn bounds(points: impl Iterator<Item = DVec2>) -> (DVec2, DVec2) {
-    points.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| {
-        (low.min(p), high.max(p))
-    })
 }

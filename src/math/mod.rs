@@ -95,6 +95,7 @@ pub use oblique::{
 };
 pub use patch::{PlanarPatch, transform_patch};
 pub use plane::Plane;
+pub(crate) use polygon::bounds_of;
 pub use polygon::{Opening, VisiblePolygon, clip_polygon, clip_polygon_within};
 pub use projection::BaseProjection;
 pub use reflection::{reflect_point, reflect_vector, reflected_world_from_view, reflection_affine};

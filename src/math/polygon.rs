@@ -5,9 +5,6 @@ use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 /// A quad clipped by seven planes has at most eleven vertices; one to spare for rounding.
 const CAPACITY: usize = 12;
 
-/// The lowest and the highest coordinates of nothing.
-pub const NOWHERE: (DVec2, DVec2) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-
 /// A convex polygon in homogeneous clip space, inside the clip volume. Lives on the stack.
 #[derive(Clone, Copy, Debug)]
 pub struct VisiblePolygon {
@@ -79,8 +76,7 @@ impl VisiblePolygon {
 
     /// The lowest and the highest coordinates on the screen; `low > high` when empty.
     pub fn ndc_bounds(&self) -> (DVec2, DVec2) {
-        self.ndc()
-            .fold(NOWHERE, |(low, high), p| (low.min(p), high.max(p)))
+        bounds_of(self.ndc())
     }
 
     /// The width of the narrowest strip of the screen that holds the polygon, in pixels of a
@@ -159,6 +155,13 @@ impl VisiblePolygon {
         }
         kept
     }
+}
+
+/// The lowest and the highest coordinates of some points; `low > high` for none.
+pub fn bounds_of(points: impl Iterator<Item = DVec2>) -> (DVec2, DVec2) {
+    points.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| {
+        (low.min(p), high.max(p))
+    })
 }
 
 /// The point between `a` and `b` where the distance is 0.

@@ -213,6 +213,7 @@ impl WallsInView {
         look: &ViewInput,
     ) {
         self.walls.clear();
+        let default_layers = RenderLayers::default();
         // Roughly: what is left out here hides nothing, and the rest is looked at more closely.
         let clip_from_world = look.clip_from_view * DMat4::from(look.world_from_view.inverse());
         let [up, depth] = [1, 3].map(|row| clip_from_world.row(row).as_vec4());
@@ -233,16 +234,13 @@ impl WallsInView {
             if size < LEAST_SIZE || is_behind || !wall.visibility.get() {
                 continue;
             }
-            let is_on_layer = match wall.layers {
-                Some(layers) => camera.layers.intersects(layers),
-                None => camera.layers.intersects(&RenderLayers::default()),
-            };
+            let layers = wall.layers.unwrap_or(&default_layers);
             let (Some(mesh), Some(material)) =
                 (meshes.get(wall.mesh), materials.get(wall.material))
             else {
                 continue;
             };
-            if is_on_layer && is_simple(mesh) && walls.is_opaque(material) {
+            if camera.layers.intersects(layers) && is_simple(mesh) && walls.is_opaque(material) {
                 self.walls.push(WallInView {
                     entity: wall.entity,
                     bounds: WorldBox::new(wall.transform, wall.bounds),

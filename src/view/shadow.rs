@@ -20,7 +20,10 @@ use bevy::{
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec2};
 
 use super::{DepthRange, PlannedView, ReflectedViews};
-use crate::{math::BaseProjection, mirror::MirrorShadows};
+use crate::{
+    math::{BaseProjection, bounds_of},
+    mirror::MirrorShadows,
+};
 
 /// How far beside a point the widest fixed filter looks its shadow up, in texels, and two more.
 const FILTER_TEXELS: f64 = 5.0;
@@ -200,13 +203,8 @@ fn map_bounds(cascade: &Cascade, corners: &[DVec3; 8], reach_texels: f64) -> (Ve
     let clip_from_world = cascade.clip_from_world.as_dmat4();
     let [x, y] = [0, 1].map(|row| clip_from_world.row(row).truncate().length());
     let guard = DVec2::new(x, y) * reach_texels * f64::from(cascade.texel_size);
-    let (low, high) = corners
-        .iter()
-        .map(|corner| clip_from_world.transform_point3(*corner).truncate())
-        .fold(
-            (DVec2::INFINITY, DVec2::NEG_INFINITY),
-            |(low, high), place| (low.min(place), high.max(place)),
-        );
+    let places = corners.map(|corner| clip_from_world.transform_point3(corner).truncate());
+    let (low, high) = bounds_of(places.into_iter());
     ((low - guard).as_vec2(), (high + guard).as_vec2())
 }
 

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     math::{
-        Opening, Plane, ReflectedViewPlan, Skip, ViewInput, is_in_plane, joint_corners,
+        Opening, Plane, ReflectedViewPlan, Skip, ViewInput, bounds_of, is_in_plane, joint_corners,
         plan_reflected_view_within,
     },
     mirror::{MirrorClip, MirrorShadows, PlanarMirror},
@@ -282,8 +282,8 @@ impl Viewer<'_> {
 
 /// The device coordinates of what is seen of all these.
 fn joint_bounds(members: &[SeenMirror]) -> (DVec2, DVec2) {
-    members.iter().map(|seen| seen.ndc_bounds).fold(
-        (DVec2::INFINITY, DVec2::NEG_INFINITY),
-        |(low, high), bounds| (low.min(bounds.0), high.max(bounds.1)),
-    )
+    bounds_of(members.iter().flat_map(|seen| {
+        let (low, high) = seen.ndc_bounds;
+        [low, high]
+    }))
 }

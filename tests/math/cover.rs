@@ -4,7 +4,7 @@ use bevy_planar_mirror::math::*;
 use glam::{DAffine3, DMat4, DVec2, DVec3};
 use proptest::prelude::*;
 
-use crate::{random::*, reference::matrix};
+use crate::{extremes::patch, random::*, reference::matrix};
 
 type Triangle = [DVec3; 3];
 
@@ -22,21 +22,14 @@ impl Look {
 
     /// Two units wide and high, five units before the eye, and square to its view.
     fn at_a_wall(clip_from_view: DMat4) -> Self {
-        let corner = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+        let (plane, corners) =
+            transform_patch(&patch(DVec2::ONE), &DAffine3::IDENTITY).expect("it is a rectangle");
         Self::new(ViewInput {
             world_from_view: DAffine3::from_translation(DVec3::Z * 5.0),
             clip_from_view,
             viewport_size: DVec2::new(400.0, 400.0),
-            plane: Plane {
-                origin: DVec3::ZERO,
-                normal: DVec3::Z,
-            },
-            corners: Some([
-                corner(-1.0, -1.0),
-                corner(1.0, -1.0),
-                corner(1.0, 1.0),
-                corner(-1.0, 1.0),
-            ]),
+            plane,
+            corners,
             jitter_px: 0.0,
             was_drawn: false,
         })

@@ -1,10 +1,10 @@
 //! Random planes, cameras and scenes.
 
-use bevy_planar_mirror::math::{PlanarPatch, Plane, ViewInput, VisiblePolygon, transform_patch};
+use bevy_planar_mirror::math::{Plane, ViewInput, VisiblePolygon, transform_patch};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec2, DVec3};
 use proptest::prelude::*;
 
-use crate::reference::matrix;
+use crate::{extremes::patch, reference::matrix};
 
 /// As many cases as usual, times `factor`. What fails is printed, and belongs in a named test.
 pub fn cases(factor: u32) -> ProptestConfig {
@@ -97,12 +97,7 @@ pub fn any_scene() -> impl Strategy<Value = ViewInput> {
             let axes = DMat3::from_quat(turn);
             let mirror = DAffine3::from_mat3_translation(axes * scale, origin);
             let mirror = rounded(mirror);
-            let patch = PlanarPatch {
-                center: DVec3::ZERO,
-                tangent_x: DVec3::X,
-                tangent_y: DVec3::Y,
-                half_size: DVec2::new(x, y),
-            };
+            let patch = patch(DVec2::new(x, y));
             let (plane, corners) = transform_patch(&patch, &mirror).expect("a proper transform");
             let eye = origin + eye_direction * 10.0_f64.powf(log_distance) * 3.0;
             let toward = (origin - eye).normalize() + wobble * 0.5;

@@ -9,8 +9,8 @@ use super::changes::sunny_room;
 use crate::support::{
     live::{Live, named, of},
     props::{BLUE, at, lit},
+    random::Random,
     scene::Scene,
-    split_mix::SplitMix,
 };
 
 const WALLS: usize = 3;
@@ -25,11 +25,8 @@ struct Slabs {
 
 impl Slabs {
     fn new(seed: u64) -> Self {
-        let mut numbers = SplitMix::new(seed);
-        let mut within = |low: f32, high: f32| {
-            let share = (numbers.next() >> 40) as f32 / (1 << 24) as f32;
-            low + (high - low) * share
-        };
+        let random = &mut Random::new(seed);
+        let mut within = |low, high| random.between(low, high);
         let sizes = [(); WALLS].map(|()| vec3(within(0.7, 2.2), within(1.0, 2.2), 0.1));
         let mut depth = 0.9;
         let places = [(); WALLS].map(|()| {
