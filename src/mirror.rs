@@ -43,7 +43,7 @@ pub struct PlanarMirror {
     pub clip: MirrorClip,
     /// Whether directional lights throw shadows on what is seen in it.
     ///
-    /// Default [`MirrorShadows::Own`]: as in the scene itself.
+    /// Default [`MirrorShadows::Auto`]: as in the scene itself.
     pub shadows: MirrorShadows,
 }
 
@@ -92,11 +92,23 @@ pub enum MirrorClip {
 #[reflect(Default, Clone, Debug, PartialEq, Hash)]
 #[non_exhaustive]
 pub enum MirrorShadows {
-    /// From shadow maps of the reflected view's own, in which only what throws shadows on something
-    /// seen is drawn, and of the cascades only those that something seen lies in.
+    /// From the camera's, if these hold all shadows that fall on what is seen in the mirror, and
+    /// otherwise from the mirror's own. It is decided anew in every frame, and changes no picture:
+    /// both are the same shadows, texel for texel.
+    ///
+    /// The camera's serve where what is seen in the mirror lies within the camera's own cascades,
+    /// at like distances: mostly so in floors, less often in walls. They are not taken where a
+    /// light has a `soft_shadow_size`, or while anything with a `VisibilityRange` throws shadows,
+    /// since what is in range may differ.
     #[default]
+    Auto,
+    /// From shadow maps of the mirror's own, in which only what throws shadows on something
+    /// seen is drawn, and of the cascades only those that something seen lies in.
     Own,
-    /// There are none: all is lit. Spares the drawing of the shadow maps.
+    /// From the camera's shadow maps alone, so that none are drawn for the mirror. What they do not
+    /// reach is lit.
+    Shared,
+    /// There are none: all is lit.
     Off,
 }
 

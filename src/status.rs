@@ -5,6 +5,8 @@ use core::fmt;
 
 use bevy::{ecs::prelude::*, reflect::prelude::*};
 
+use crate::mirror::MirrorShadows;
+
 /// What became of a mirror in this frame, camera by camera. Written by the plugin alone, in
 /// `PostUpdate`; it is there on every [`PlanarMirror`](crate::PlanarMirror).
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
@@ -127,7 +129,11 @@ pub struct ViewFigures {
     pub objects: usize,
     /// The projection with which they are drawn.
     pub projection: Projection,
-    /// Cascades of directional lights that are drawn for it: those that something seen in it reads.
+    /// Where the shadows of directional lights come from. Never [`MirrorShadows::Auto`]; where there
+    /// are none, what that would have chosen.
+    pub shadows: MirrorShadows,
+    /// Cascades of directional lights that are drawn for it: with [`MirrorShadows::Own`] those that
+    /// something seen in it reads.
     pub cascades: usize,
 }
 

@@ -3,6 +3,8 @@
 
 #[path = "support/log.rs"]
 mod log;
+#[path = "support/split_mix.rs"]
+mod split_mix;
 
 mod ecs {
     mod app;
@@ -19,6 +21,7 @@ mod ecs {
     mod reasons;
     mod reflection;
     mod removal;
+    mod shadows;
     mod sharing;
     mod sight;
     mod status;

@@ -35,7 +35,7 @@ pub struct ExtractedMirrors {
     pub views: Vec<ExtractedMirrorView>,
     /// The surfaces of all views, each view's together.
     pub surfaces: Vec<ExtractedSurface>,
-    /// The shadow cascades that all views read, each view's together.
+    /// The shadow cascades of their own that all views read, each view's together.
     pub cascades: Vec<ExtractedCascade>,
     /// The lamps of all views that list them, each view's together.
     pub lamps: Vec<Lamp>,
@@ -58,7 +58,7 @@ pub struct ExtractedMirrorView {
     pub clip_unbounded: Option<Mat4>,
     /// See [`PlannedView`].
     pub ndc_bounds: (Vec2, Vec2),
-    /// Which of [`ExtractedMirrors::cascades`] it reads.
+    /// Which of [`ExtractedMirrors::cascades`] are its own.
     pub cascades: Range<usize>,
     /// Which of [`ExtractedMirrors::lamps`] are in its only cluster; see [`PlannedView`].
     pub lamps: Option<Range<usize>>,

@@ -85,12 +85,7 @@ pub fn mirror_pass(
         viewport: viewport.as_ref(),
     };
 
-    if mirrors
-        .iter()
-        .any(|mirror| mirror.reflection.cascades.is_some())
-    {
-        resources.shadows.copy_spots(&mut ctx);
-    }
+    resources.shadows.copy_spots(&mut ctx);
     resources.draw_cascades(first, prepared, world, &mut ctx);
     let mut lit = first.prepared.view;
     let mut pass = attachments.begin(&mut ctx, true);

@@ -54,7 +54,7 @@ pub struct ViewMirrors {
     pub mirrors: Vec<PreparedMirror>,
     /// The surfaces of all of them.
     pub surfaces: Vec<PreparedSurface>,
-    /// The shadow cascades that they read.
+    /// The shadow cascades of their own that they read.
     pub cascades: Vec<ExtractedCascade>,
 }
 
@@ -70,7 +70,7 @@ pub struct PreparedMirror {
     pub surfaces: Range<usize>,
     /// The lowest and the highest device coordinates of what is seen of the surfaces.
     pub ndc_bounds: (Vec2, Vec2),
-    /// Which of the cascades the reflection reads.
+    /// Which of the cascades are the reflection's.
     pub cascades: Range<usize>,
 }
 

@@ -2,7 +2,8 @@
 //!
 //! Every camera draws its directional cascades into the same layers of one shared texture, just
 //! before its own main pass. A reflected view is drawn within another camera's main pass, when
-//! those layers hold that camera's cascades. So the reflected views have an array of their own,
+//! those layers hold that camera's cascades. Some reflected views read these. The others have an
+//! array of their own,
 //! of the same shape: one for all of them, since the pass draws a view's cascades just before its
 //! picture. Spot lights keep their maps in the later layers of the shared texture; those layers
 //! are copied, not drawn again. Point lights have a texture to themselves.
@@ -126,8 +127,8 @@ fn fill(what: &str, shader: &Handle<Shader>) -> RenderPipelineDescriptor {
     }
 }
 
-/// Gives every reflected view that has cascades the array of the reflected views, and keeps the
-/// engine from drawing them into the shared one.
+/// Gives every reflected view that has cascades of its own the array of the reflected views, and
+/// keeps the engine from drawing any into the shared one, where the others find their camera's.
 pub fn prepare_mirror_shadows(
     mut commands: Commands,
     mirrors: Res<ExtractedMirrors>,
@@ -151,14 +152,14 @@ pub fn prepare_mirror_shadows(
         let Ok((lights_of_view, mut binding)) = bindings.get_mut(mirror.view) else {
             continue;
         };
-        if lights_of_view.lights.is_empty() {
-            continue;
-        }
         for light_view in &lights_of_view.lights {
             // Nor is anything left out that was hidden in another picture.
             commands
                 .entity(*light_view)
                 .remove::<(ShadowView, OcclusionCulling, OcclusionCullingSubview)>();
+        }
+        if mirror.cascades.is_empty() {
+            continue;
         }
         let (texture, view) = own.get_or_insert_with(|| {
             let shared = &binding.directional_light_depth_texture;

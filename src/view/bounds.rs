@@ -4,6 +4,7 @@ use bevy::{camera::primitives::Aabb, transform::components::GlobalTransform};
 use glam::{DVec3, DVec4};
 
 /// A box with its axes in the world.
+#[derive(Clone, Copy, Debug)]
 pub struct WorldBox {
     pub center: DVec3,
     /// From the center to the middles of three faces.
@@ -23,6 +24,22 @@ impl WorldBox {
                 axes.z_axis * half.z,
             ],
         }
+    }
+
+    /// The box that has two corners, and its edges along the axes of the world.
+    pub fn between(low: DVec3, high: DVec3) -> Self {
+        let half = (high - low) / 2.0;
+        Self {
+            center: (low + high) / 2.0,
+            half_axes: [DVec3::X * half.x, DVec3::Y * half.y, DVec3::Z * half.z],
+        }
+    }
+
+    /// The lowest and the highest coordinates in it.
+    pub fn corners(&self) -> (DVec3, DVec3) {
+        let [a, b, c] = self.half_axes.map(DVec3::abs);
+        let half = a + b + c;
+        (self.center - half, self.center + half)
     }
 
     /// The least and the greatest value of a covector over the box.

@@ -13,7 +13,7 @@ use bevy::{
     pbr::decal::ForwardDecal,
     transform::components::GlobalTransform,
 };
-use glam::{DMat4, DVec4};
+use glam::{DMat4, DVec3, DVec4};
 
 use super::{DepthRange, PlannedView, ReflectedView, ReflectedViews, bounds::WorldBox};
 use crate::{
@@ -75,6 +75,9 @@ pub fn clip_reflected_views(
             } else {
                 DepthRange::EVERYTHING
             },
+            bounds: uncounted
+                .is_empty()
+                .then_some((DVec3::INFINITY, DVec3::NEG_INFINITY)),
         };
         let mut objects_in_view = 0;
         for (class, visible) in &mut visible.entities {
@@ -100,6 +103,7 @@ pub fn clip_reflected_views(
         };
         live.was_cut = seen.crossed;
         planned.depths = seen.depths;
+        planned.bounds = seen.bounds.map(|(low, high)| WorldBox::between(low, high));
         planned.objects = objects_in_view;
     }
 }
@@ -118,6 +122,8 @@ struct Seen {
     was_cut: bool,
     crossed: bool,
     depths: DepthRange,
+    /// The lowest and the highest coordinates; `None` if something may be anywhere.
+    bounds: Option<(DVec3, DVec3)>,
 }
 
 impl Seen {
@@ -134,6 +140,7 @@ impl Seen {
         let (Some(aabb), false) = (aabb, unbounded) else {
             self.crossed = true;
             self.depths = DepthRange::EVERYTHING;
+            self.bounds = None;
             return true;
         };
         let bounds = WorldBox::new(transform, aabb);
@@ -152,6 +159,11 @@ impl Seen {
         self.crossed |= side == Side::Straddling;
         let (near, far) = bounds.range(rows.view_depth);
         self.depths.include(near as f32, far as f32);
+        let (low, high) = bounds.corners();
+        self.bounds = self
+            .bounds
+            .filter(|_| low.is_finite() && high.is_finite())
+            .map(|(lowest, highest)| (lowest.min(low), highest.max(high)));
         true
     }
 }

@@ -14,7 +14,7 @@
 //! | bring the entities in line with that | `apply.rs`, `copy.rs` |
 //! | which lamps reach what is seen | `clusters.rs` |
 //! | after visibility: drop what is behind, choose the projection | `clip.rs` |
-//! | leave out shadows that fall on nothing visible | `shadow.rs` |
+//! | take the camera's shadow maps, or leave out what falls on nothing visible | `shadow.rs`, `lookup.rs` |
 //! | write [`MirrorStatus`](crate::MirrorStatus) | `report.rs` |
 //!
 //! Users never meet a reflected view: it carries `Disabled`, which keeps it out of every query
@@ -29,6 +29,7 @@ mod copy;
 mod cover;
 mod decide;
 mod fit;
+mod lookup;
 mod report;
 mod shadow;
 mod sight;
@@ -48,6 +49,8 @@ pub use decide::decide_reflected_views;
 pub use fit::{MirrorPlace, place_mirrors};
 pub use report::{report_figures, report_status};
 pub use shadow::{SeenCascade, narrow_cascades};
+
+use bounds::WorldBox;
 
 use crate::{
     math::{Plane, ReflectedViewPlan},
@@ -79,7 +82,7 @@ pub struct ReflectedViews {
     pub planned: Vec<PlannedView>,
     /// The mirrors of all planned views.
     pub surfaces: Vec<Entity>,
-    /// The shadow cascades that all planned views read.
+    /// The shadow cascades of their own that all planned views read.
     pub cascades: Vec<SeenCascade>,
     /// The lamps that may reach what is seen in the views that list them.
     pub lamps: Vec<Lamp>,
@@ -121,6 +124,7 @@ pub struct PlannedView {
     /// The lowest and the highest device coordinates of what is seen of the mirrors.
     pub ndc_bounds: (DVec2, DVec2),
     pub clip: MirrorClip,
+    /// Not `Auto` once `cascades` is filled in.
     pub shadows: MirrorShadows,
     /// Its entity. Until the entities are brought in line that of the last frame, if there was one;
     /// then `None` if it could not be made.
@@ -135,7 +139,10 @@ pub struct PlannedView {
     pub clip_from_view: Mat4,
     /// The least and the greatest view depth of anything visible. Filled in with `projection`.
     pub depths: DepthRange,
-    /// Which of [`ReflectedViews::cascades`] it reads. Filled in after `depths`.
+    /// A box around everything visible; `None` if something may be anywhere. Filled in with
+    /// `projection`.
+    pub bounds: Option<WorldBox>,
+    /// Which of [`ReflectedViews::cascades`] are its own. Filled in after `depths`.
     pub cascades: Range<usize>,
     /// Which of [`ReflectedViews::lamps`] are in its only cluster; `None` if it has clusters that
     /// the engine fills. Filled in once its entity is there.

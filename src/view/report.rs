@@ -9,7 +9,7 @@ use bevy::{
 
 use super::{Decision, ReflectedViews};
 use crate::{
-    mirror::{MirrorShadows, PlanarMirror},
+    mirror::PlanarMirror,
     status::{CameraStatus, MirrorFigures, MirrorState, MirrorStatus, NotDrawn, ViewFigures},
 };
 
@@ -90,10 +90,8 @@ pub fn report_figures(views: Res<ReflectedViews>, mut figures: ResMut<MirrorFigu
                 pixels: planned.pixels as f32,
                 objects: planned.objects,
                 projection: planned.projection,
-                cascades: match planned.shadows {
-                    MirrorShadows::Own => planned.cascades.len(),
-                    MirrorShadows::Off => 0,
-                },
+                shadows: planned.shadows,
+                cascades: planned.cascades.len(),
             }),
     );
 }

@@ -1,34 +1,38 @@
-//! Directional shadows of reflected views: what falls on nothing that is seen is left out.
+//! Directional shadows of reflected views: the camera's own, or else drawn again without what falls
+//! on nothing that is seen.
 //!
 //! A reflected view has cascades like any camera's, over its whole frustum. Of these the reflection
 //! samples only the ones that hold what shows in the mirror, and of each of these only the column
 //! of light that leads to it. The cascades' own matrices stay as they are, so a shadow has the
 //! same texels as in any picture of the same view.
+//!
+//! They are the texels of the camera's maps as well. Bevy's `build_directional_light_cascades` gives
+//! each map the axes of its light, a width that follows from the projection alone, and a center on
+//! whole texels. A camera and its reflection differ in nothing but where they stand, so their maps
+//! are pieces of one grid. If the camera's piece reaches wherever a reflection looks, it is read
+//! instead.
 
 use bevy::{
     camera::{
         Camera,
         primitives::{CascadesFrusta, Frustum},
+        visibility::VisibilityRange,
     },
-    ecs::prelude::*,
+    ecs::{prelude::*, query::QueryData},
     light::{
-        CascadeShadowConfig, Cascades, DirectionalLight, ShadowFilteringMethod, cascade::Cascade,
+        CascadeShadowConfig, Cascades, DirectionalLight, NotShadowCaster, ShadowFilteringMethod,
     },
     math::primitives::HalfSpace,
-    reflect::structs::GetField,
 };
-use glam::{DMat4, DVec2, DVec3, DVec4, Vec2};
+use glam::Vec2;
 
-use super::{DepthRange, PlannedView, ReflectedViews};
-use crate::{
-    math::{BaseProjection, bounds_of},
-    mirror::MirrorShadows,
+use super::{
+    PlannedView, ReflectedViews,
+    lookup::{Lookup, is_cascade_read},
 };
+use crate::mirror::MirrorShadows;
 
-/// How far beside a point the widest fixed filter looks its shadow up, in texels, and two more.
-const FILTER_TEXELS: f64 = 5.0;
-
-/// A cascade that something seen in a reflected view reads.
+/// A cascade of a reflected view's own that something seen in the view reads.
 pub struct SeenCascade {
     pub light: Entity,
     /// Which of the light's cascades.
@@ -38,34 +42,32 @@ pub struct SeenCascade {
     pub ndc_bounds: Option<(Vec2, Vec2)>,
 }
 
-/// Whether anything at these view depths reads cascade `index`.
-///
-/// A point reads the first cascade whose far bound it lies before and, from where the next one
-/// begins to overlap, that one as well.
-fn cascade_is_sampled(config: &CascadeShadowConfig, index: usize, seen: DepthRange) -> bool {
-    config.bounds.get(index).is_some_and(|&far| {
-        seen.near <= far && seen.far >= cascade_near(config, index).unwrap_or(f32::NEG_INFINITY)
-    })
+/// A light that may throw shadows.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub struct Sun {
+    entity: Entity,
+    light: &'static DirectionalLight,
+    config: &'static CascadeShadowConfig,
+    cascades: &'static mut Cascades,
+    frusta: &'static mut CascadesFrusta,
 }
 
-/// Where a cascade begins; `None` for the first, which holds everything nearer than its end.
-fn cascade_near(config: &CascadeShadowConfig, index: usize) -> Option<f32> {
-    let before = config.bounds.get(index.checked_sub(1)?)?;
-    Some((1.0 - config.overlap_proportion) * before)
+/// A reflected view, as far as what it reads depends on it.
+struct Reader<'a> {
+    view: Entity,
+    planned: &'a PlannedView,
+    camera: (&'a Camera, Option<&'a ShadowFilteringMethod>),
 }
 
-/// Finds out which cascades of reflected views are read, narrows the frusta by which their casters
-/// are found, and takes away those beyond the last that is read.
+/// Chooses where the shadows of reflected views come from. Of their own cascades those beyond the
+/// last that is read are taken away, and the frusta narrowed by which casters are found.
 pub fn narrow_cascades(
     mut views: ResMut<ReflectedViews>,
     cameras: Query<(&Camera, Option<&ShadowFilteringMethod>)>,
-    mut lights: Query<(
-        Entity,
-        &DirectionalLight,
-        &CascadeShadowConfig,
-        &mut Cascades,
-        &mut CascadesFrusta,
-    )>,
+    // To each eye others of them are there.
+    ranged_casters: Query<(), (With<VisibilityRange>, Without<NotShadowCaster>)>,
+    mut suns: Query<Sun>,
 ) {
     let ReflectedViews {
         planned, cascades, ..
@@ -77,135 +79,125 @@ pub fn narrow_cascades(
         let Some(view) = planned.entity else {
             continue;
         };
-        let Ok((camera, filter)) = cameras.get(view) else {
+        let Ok(camera) = cameras.get(view) else {
             continue;
         };
-        for (entity, light, config, mut of_light, mut frusta) in &mut lights {
-            // Its cascades are those of the time when it still threw shadows.
-            if !light.shadow_maps_enabled {
-                continue;
-            }
-            let (Some(of_view), Some(frusta)) = (
-                of_light.cascades.get_mut(&view),
-                frusta.frusta.get_mut(&view),
-            ) else {
-                continue;
-            };
-            let reach = reach_texels(light, filter);
-            // What is beyond the last that is read need not exist; but one cascade is expected.
-            let mut needed = 1;
-            for (index, (cascade, frustum)) in of_view.iter().zip(frusta.iter_mut()).enumerate() {
-                if !cascade_is_sampled(config, index, planned.depths) {
-                    hold_nothing(frustum);
-                    continue;
+        let reader = Reader {
+            view,
+            planned,
+            camera,
+        };
+        let shadows = match planned.shadows {
+            MirrorShadows::Auto => {
+                let is_shared = ranged_casters.is_empty()
+                    && suns.iter().all(|sun| reader.finds_all_at_the_cameras(&sun));
+                if is_shared {
+                    MirrorShadows::Shared
+                } else {
+                    MirrorShadows::Own
                 }
-                needed = index + 1;
-                let seen = reach
-                    .and_then(|reach| Some((seen_corners(planned, camera, config, index)?, reach)));
-                if planned.shadows == MirrorShadows::Off {
-                    hold_nothing(frustum);
-                } else if let Some((corners, reach)) = &seen {
-                    narrow(frustum, cascade, corners, *reach);
-                }
-                cascades.push(SeenCascade {
-                    light: entity,
-                    index,
-                    ndc_bounds: seen.map(|(corners, reach)| map_bounds(cascade, &corners, reach)),
-                });
             }
-            of_view.truncate(needed);
-            frusta.truncate(needed);
+            chosen => chosen,
+        };
+        for mut sun in &mut suns {
+            reader.narrow(&mut sun, shadows, cascades);
         }
+        planned.shadows = shadows;
         planned.cascades.end = cascades.len();
     }
 }
 
-/// How far beside a point its shadow may be looked up, in texels; `None` if that depends on more
-/// than the texels.
-fn reach_texels(light: &DirectionalLight, filter: Option<&ShadowFilteringMethod>) -> Option<f64> {
-    // How far these reach depends on the size of the light. The field is there only with a feature
-    // of the engine, which is not for this crate to turn on.
-    let is_soft = light
-        .get_field::<Option<f32>>("soft_shadow_size")
-        .is_some_and(Option::is_some);
-    if is_soft || matches!(filter, Some(ShadowFilteringMethod::Temporal)) {
-        return None;
+impl Reader<'_> {
+    /// Whether the camera's maps of a light hold all that this view would read of its own.
+    fn finds_all_at_the_cameras(&self, sun: &SunReadOnlyItem) -> bool {
+        // Else its cascades are those of the time when it still threw shadows.
+        if !sun.light.shadow_maps_enabled {
+            return true;
+        }
+        let cascades = &sun.cascades.cascades;
+        let (Some(own), Some(of_camera)) =
+            (cascades.get(&self.view), cascades.get(&self.planned.camera))
+        else {
+            return false;
+        };
+        own.iter().enumerate().all(|(index, own)| {
+            if !is_cascade_read(sun.config, index, self.planned.depths) {
+                return true;
+            }
+            let lookup = self.lookup(sun.light, sun.config, index, own.texel_size);
+            lookup
+                .zip(of_camera.get(index))
+                .is_some_and(|(lookup, of_camera)| {
+                    own.texel_size == of_camera.texel_size && lookup.is_within(of_camera)
+                })
+        })
     }
-    // The engine moves the point along the normal by so many texels, times the square root of 2.
-    let offset = core::f64::consts::SQRT_2 * f64::from(light.shadow_normal_bias.abs());
-    Some(FILTER_TEXELS + offset).filter(|reach| reach.is_finite())
-}
 
-/// The corners, in the world, of what one cascade is sampled for.
-fn seen_corners(
-    planned: &PlannedView,
-    camera: &Camera,
-    config: &CascadeShadowConfig,
-    index: usize,
-) -> Option<[DVec3; 8]> {
-    let projection = BaseProjection::new(&camera.clip_from_view().as_dmat4())?;
-    let (low, high) = planned.ndc_bounds;
-    let mut near = planned.depths.near;
-    if let Some(begin) = cascade_near(config, index) {
-        near = near.max(begin);
+    /// Leaves of this view's cascades for a light those that are read, with the maps from where
+    /// they shall come.
+    fn narrow(&self, sun: &mut SunItem, shadows: MirrorShadows, cascades: &mut Vec<SeenCascade>) {
+        if !sun.light.shadow_maps_enabled {
+            return;
+        }
+        let of_light = &mut sun.cascades.cascades;
+        let Some(frusta) = sun.frusta.frusta.get_mut(&self.view) else {
+            return;
+        };
+        let mut needed = 0;
+        for (index, frustum) in frusta.iter_mut().enumerate() {
+            if shadows == MirrorShadows::Off
+                || !is_cascade_read(sun.config, index, self.planned.depths)
+            {
+                hold_nothing(frustum);
+                continue;
+            }
+            let of_camera = of_light
+                .get(&self.planned.camera)
+                .and_then(|of_camera| of_camera.get(index))
+                .cloned();
+            let Some(cascade) = of_light
+                .get_mut(&self.view)
+                .and_then(|own| own.get_mut(index))
+            else {
+                break;
+            };
+            needed = index + 1;
+            if shadows == MirrorShadows::Shared {
+                hold_nothing(frustum);
+                *cascade = of_camera.unwrap_or_default();
+                continue;
+            }
+            let lookup = self.lookup(sun.light, sun.config, index, cascade.texel_size);
+            if let Some(lookup) = &lookup {
+                lookup.narrow(frustum, cascade);
+            }
+            cascades.push(SeenCascade {
+                light: sun.entity,
+                index,
+                ndc_bounds: lookup.map(|lookup| lookup.map_bounds(cascade)),
+            });
+        }
+        frusta.truncate(needed);
+        if let Some(own) = of_light.get_mut(&self.view) {
+            own.truncate(needed);
+        }
     }
-    if !projection.is_orthographic {
-        near = near.max(0.0);
-    }
-    let far = planned.depths.far.min(*config.bounds.get(index)?);
-    let world_from_view = planned.plan.world_from_view;
-    let mut corners = [DVec3::ZERO; 8];
-    let places = [
-        DVec2::new(low.x, low.y),
-        DVec2::new(high.x, low.y),
-        DVec2::new(low.x, high.y),
-        DVec2::new(high.x, high.y),
-    ];
-    for (corner, (place, depth)) in corners.iter_mut().zip(
-        places
-            .iter()
-            .flat_map(|place| [(*place, near), (*place, far)]),
-    ) {
-        let view = at_depth(&projection.view_from_clip, place, f64::from(depth));
-        *corner = world_from_view.transform_point3(view);
-    }
-    corners.iter().all(|c| c.is_finite()).then_some(corners)
-}
 
-/// The point at view depth `-z = depth` that shows at `ndc`.
-fn at_depth(view_from_clip: &DMat4, ndc: DVec2, depth: f64) -> DVec3 {
-    let point = |z: f64| view_from_clip.project_point3(ndc.extend(z));
-    let (near, beyond) = (point(1.0), point(0.5));
-    near + (beyond - near) * ((-depth - near.z) / (beyond.z - near.z))
-}
-
-/// Leaves the frustum what lies between the light and the corners, and as far beside as shadows
-/// reach.
-fn narrow(frustum: &mut Frustum, cascade: &Cascade, corners: &[DVec3; 8], reach_texels: f64) {
-    let world_from_cascade = cascade.world_from_cascade.as_dmat4();
-    let guard = reach_texels * f64::from(cascade.texel_size);
-    let sides = [world_from_cascade.x_axis, world_from_cascade.y_axis]
-        .map(DVec4::truncate)
-        .into_iter()
-        .flat_map(|axis| [axis, -axis]);
-    for (half_space, inwards) in frustum.half_spaces.iter_mut().zip(sides) {
-        let least = corners
-            .iter()
-            .map(|corner| inwards.dot(*corner))
-            .fold(f64::INFINITY, f64::min);
-        let d = (guard - least).min(f64::from(half_space.d()));
-        *half_space = HalfSpace::new(inwards.extend(d).as_vec4());
+    fn lookup(
+        &self,
+        light: &DirectionalLight,
+        config: &CascadeShadowConfig,
+        index: usize,
+        texel_size: f32,
+    ) -> Option<Lookup> {
+        Lookup::new(
+            self.planned,
+            self.camera,
+            (light, config),
+            index,
+            texel_size,
+        )
     }
-}
-
-/// The device coordinates of the corners in the cascade's map, and as far around as shadows reach.
-fn map_bounds(cascade: &Cascade, corners: &[DVec3; 8], reach_texels: f64) -> (Vec2, Vec2) {
-    let clip_from_world = cascade.clip_from_world.as_dmat4();
-    let [x, y] = [0, 1].map(|row| clip_from_world.row(row).truncate().length());
-    let guard = DVec2::new(x, y) * reach_texels * f64::from(cascade.texel_size);
-    let places = corners.map(|corner| clip_from_world.transform_point3(corner).truncate());
-    let (low, high) = bounds_of(places.into_iter());
-    ((low - guard).as_vec2(), (high + guard).as_vec2())
 }
 
 /// A half-space beyond every object.

@@ -4,11 +4,11 @@ use std::collections::HashSet;
 
 use bevy::{
     camera::{Exposure, RenderTarget, SubCameraView, Viewport, visibility::RenderLayers},
-    light::{CascadeShadowConfigBuilder, Cascades},
+    light::Cascades,
     prelude::*,
     render::view::Msaa,
 };
-use bevy_planar_mirror::{MirrorShadows, NotDrawn, PlanarMirror, status::MirrorFigures};
+use bevy_planar_mirror::NotDrawn;
 
 use super::app::{EYE, PLAIN, SIZE, mirror_app, not};
 
@@ -236,50 +236,4 @@ fn a_view_has_a_place_but_no_transform_of_its_own() {
     assert!(view.contains::<GlobalTransform>());
     assert!(!view.contains::<Transform>());
     assert!(!view.contains::<ChildOf>());
-}
-
-#[test]
-fn figures_count_the_shadow_cascades_that_something_seen_reads() {
-    let mut app = mirror_app();
-    let mirror = app.spawn_mirror(default());
-    let camera = app.spawn_camera(EYE);
-    app.spawn_cube(0.3, vec3(0.3, 0.0, 1.0));
-    let cascades =
-        |app: &super::app::MirrorApp| app.world().resource::<MirrorFigures>().views[0].cascades;
-    app.update();
-    assert_eq!(cascades(&app), 0, "there is no light");
-    let light = app.spawn((
-        DirectionalLight {
-            shadow_maps_enabled: true,
-            ..default()
-        },
-        CascadeShadowConfigBuilder {
-            num_cascades: 4,
-            first_cascade_far_bound: 8.0,
-            maximum_distance: 100.0,
-            ..default()
-        }
-        .build(),
-        Transform::default().looking_to(vec3(1.0, -2.0, -1.0), Vec3::Y),
-    ));
-    app.update();
-    assert_eq!(cascades(&app), 1, "all that shows is within eight units");
-    // Those behind the last that is read do not exist; the camera has all of its own.
-    let existing = |app: &mut super::app::MirrorApp| {
-        let views = app.views();
-        let cascades = &app.of::<Cascades>(light).cascades;
-        [camera, views[0]].map(|view| cascades[&view].len())
-    };
-    assert_eq!(existing(&mut app), [4, 1]);
-    app.spawn_cube(4.0, vec3(0.0, 0.0, 50.0));
-    app.update();
-    assert_eq!(cascades(&app), 4, "of which the last holds this");
-    assert_eq!(existing(&mut app), [4, 4]);
-    app.of_mut::<PlanarMirror>(mirror).shadows = MirrorShadows::Off;
-    app.update();
-    assert_eq!(cascades(&app), 0);
-    app.of_mut::<PlanarMirror>(mirror).shadows = MirrorShadows::Own;
-    app.of_mut::<DirectionalLight>(light).shadow_maps_enabled = false;
-    app.update();
-    assert_eq!(cascades(&app), 0);
 }

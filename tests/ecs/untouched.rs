@@ -11,7 +11,7 @@ use bevy::{
     light::Cascades,
     prelude::*,
 };
-use bevy_planar_mirror::{MirrorStatus, PlanarMirror};
+use bevy_planar_mirror::{MirrorShadows, MirrorStatus, PlanarMirror};
 
 use super::app::{
     EYE, MirrorApp, add_mesh, floor, mirror_app, spawn_camera, spawn_cube, spawn_mirror, stock_app,
@@ -184,7 +184,10 @@ fn a_light_casts_for_the_camera_what_it_would_cast_without_the_plugin() {
     let expected = cast(&stock, &plain);
     assert!(expected.1[0].contains(&Some(2)), "the cube throws a shadow");
     assert_eq!(cast(&app, &mirrored), expected);
-    // It casts for the view as well.
+    // Nor if it casts for the view as well.
+    app.of_mut::<PlanarMirror>(mirrored[1]).shadows = MirrorShadows::Own;
+    app.update();
+    assert_eq!(cast(&app, &mirrored), expected);
     let view = app.view(mirrored[0], mirrored[1]);
     let casters = &app.of::<CascadesVisibleEntities>(mirrored[4]).entities[&view];
     assert!(

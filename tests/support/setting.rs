@@ -3,7 +3,7 @@
 //! facing mirrors, with `oblique` an orthographic camera by daylight, with `direct` that of a lamp's shadows.
 
 use bevy::{camera::RenderTarget, prelude::*, render::view::NoIndirectDrawing};
-use bevy_planar_mirror::{MirrorClip, PlanarMirror};
+use bevy_planar_mirror::{MirrorClip, MirrorShadows, PlanarMirror};
 
 use super::scene::Scene;
 
@@ -15,6 +15,8 @@ pub enum Setting {
     Direct,
     /// Cut where nothing crosses the mirror.
     Oblique,
+    /// With shadow maps of each mirror's own.
+    Own,
     /// Sixty mirrors behind the eye, or with their backs to it.
     Unseen,
     /// A second camera sees the same.
@@ -27,10 +29,11 @@ impl Setting {
             Err(_) | Ok("") => Self::Usual,
             Ok("direct") => Self::Direct,
             Ok("oblique") => Self::Oblique,
+            Ok("own") => Self::Own,
             Ok("unseen") => Self::Unseen,
             Ok("watched") => Self::Watched,
             Ok(other) => panic!(
-                "PLANAR_MIRROR_SETTING is direct, oblique, unseen, watched or not set, not {other:?}"
+                "PLANAR_MIRROR_SETTING is direct, oblique, own, unseen, watched or not set, not {other:?}"
             ),
         }
     }
@@ -40,6 +43,9 @@ impl Setting {
         let mut mirror = mirror.clone();
         if self == Self::Oblique && mirror.clip == MirrorClip::Auto {
             mirror.clip = MirrorClip::Oblique;
+        }
+        if self == Self::Own && mirror.shadows == MirrorShadows::Auto {
+            mirror.shadows = MirrorShadows::Own;
         }
         mirror
     }
@@ -54,7 +60,7 @@ impl Setting {
     /// For a scene with its mirrors, whose camera has that target.
     pub fn scene(self, world: &mut World, scene: &Scene, target: &Handle<Image>) {
         match self {
-            Self::Usual | Self::Direct | Self::Oblique => {}
+            Self::Usual | Self::Direct | Self::Oblique | Self::Own => {}
             Self::Unseen => {
                 let mesh = world
                     .resource_mut::<Assets<Mesh>>()
