@@ -1,7 +1,10 @@
 //! Shadows in the reflection.
 
-use bevy::{light::ShadowFilteringMethod, prelude::*};
-use bevy_planar_mirror::MirrorShadows;
+use bevy::{
+    light::{CascadeShadowConfigBuilder, ShadowFilteringMethod},
+    prelude::*,
+};
+use bevy_planar_mirror::{MirrorFigures, MirrorShadows};
 
 use super::lighting::{evening_sun, low_spot, still_life};
 use crate::support::{
@@ -39,8 +42,7 @@ pub fn shadow_from_behind() -> Scene {
 #[test]
 fn a_suns_shadows_lie_right_in_the_reflection() {
     let scene = still_life("sun-shadows").prop(evening_sun(vec3(1.0, 1.2, 3.0), 2));
-    assert_shadows_matter(&scene);
-    assert_reflects(&scene);
+    assert_shadows_lie_right(scene);
 }
 
 #[test]
@@ -63,8 +65,7 @@ fn shadows_of_sun_lamp_and_spot_together_lie_right() {
         .prop(evening_sun(vec3(1.0, 1.2, 3.0), 2))
         .prop(lamp(vec3(-1.5, 2.0, 2.0), true))
         .prop(low_spot());
-    assert_shadows_matter(&scene);
-    assert_reflects(&scene);
+    assert_shadows_lie_right(scene);
 }
 
 /// All cascades of all suns lie in one array, and the maps of spots behind them.
@@ -76,8 +77,7 @@ fn shadows_of_suns_with_different_numbers_of_cascades_lie_right() {
         .prop(evening_sun(vec3(-2.0, 1.0, 3.0), 4))
         .prop(evening_sun(vec3(0.4, 0.6, 3.0), 3))
         .prop(low_spot());
-    assert_shadows_matter(&scene);
-    assert_reflects(&scene);
+    assert_shadows_lie_right(scene);
 }
 
 /// Soft, softer, and noisy shadows. The noise is a pattern of the screen, so the reference must
@@ -136,7 +136,8 @@ fn small_mirror(name: &str, sun: impl Bundle + Clone) -> Scene {
 /// frame left there.
 #[test]
 fn no_shadow_is_left_over_from_where_the_sun_and_the_eye_have_been() {
-    let scene = small_mirror("left-over", evening_sun(vec3(-0.6, 0.3, 3.0), 2));
+    let mut scene = small_mirror("left-over", evening_sun(vec3(-0.6, 0.3, 3.0), 2));
+    scene.mirrors[0].mirror.shadows = MirrorShadows::Own;
     assert_shadows_matter(&scene);
     let sun_from = |from: Vec3| {
         move |world: &mut World| {
@@ -162,19 +163,23 @@ fn no_shadow_is_left_over_from_where_the_sun_and_the_eye_have_been() {
     );
 }
 
+/// Whose shadows are looked up meters away.
+fn far_bias_sun() -> impl Bundle + Clone {
+    let (mut light, cascades, place) = evening_sun(vec3(3.0, 2.0, 0.8), 1);
+    light.shadow_normal_bias = 240.0;
+    (light, cascades, place)
+}
+
 /// A bias moves the place where a shadow is looked up along the normal, by any distance: here the
 /// wall's by some meters, to behind a box that throws no other shadow that is seen.
 #[test]
 fn shadows_that_are_looked_up_far_beside_lie_right() {
-    let (mut light, cascades, place) = evening_sun(vec3(3.0, 2.0, 0.8), 1);
-    light.shadow_normal_bias = 240.0;
-    let scene = small_mirror("bias", (light, cascades, place)).object(
+    let scene = small_mirror("bias", far_bias_sun()).object(
         Cuboid::from_length(1.6),
         lit(Color::WHITE),
         at(2.2, 2.1, 3.2),
     );
-    assert_shadows_matter(&scene);
-    assert_reflects(&scene);
+    assert_shadows_lie_right(scene);
 }
 
 #[test]
@@ -182,10 +187,110 @@ fn an_object_behind_the_mirror_throws_its_shadow_before_it() {
     assert_reflects(&shadow_from_behind());
 }
 
-/// Without shadows the reflection would be another one: else the test would test nothing.
-fn assert_shadows_matter(scene: &Scene) {
+/// With maps of the mirror's own, and with the camera's where they serve.
+fn assert_shadows_lie_right(mut scene: Scene) {
+    assert_shadows_matter(&scene);
+    for shadows in [MirrorShadows::Own, MirrorShadows::Auto] {
+        scene.mirrors[0].mirror.shadows = shadows;
+        assert_reflects(&scene);
+    }
+}
+
+/// Where the shadows in the one mirror of a picture came from.
+fn source(studio: &mut Studio) -> MirrorShadows {
+    studio.stage().world().resource::<MirrorFigures>().views[0].shadows
+}
+
+/// For each filter and number of lights, nearly texel for texel: the depths are rounded otherwise.
+#[test]
+fn the_cameras_maps_show_the_shadows_of_the_mirrors_own() {
+    use ShadowFilteringMethod::{Gaussian, Hardware2x2, Temporal};
+    let sun = || evening_sun(vec3(-0.6, 0.3, 3.0), 2);
+    let mut scenes = vec![
+        still_life("two-suns")
+            .prop(evening_sun(vec3(-1.0, 1.2, 3.0), 1))
+            .prop(evening_sun(vec3(1.0, 1.0, 3.0), 1))
+            .prop(low_spot()),
+        small_mirror("far-bias", far_bias_sun()),
+    ];
+    for method in [Hardware2x2, Gaussian, Temporal] {
+        let scene = small_mirror(&format!("alike-{method:?}"), sun()).with_camera(method);
+        scenes.push(scene.plugin(still_noise));
+    }
+    for scene in scenes {
+        let mut studio = Studio::of(&scene);
+        let mut drawn = |shadows| {
+            let mut scene = scene.clone();
+            scene.mirrors[0].mirror.shadows = shadows;
+            (studio.picture(&scene), source(&mut studio))
+        };
+        let (shared, from) = drawn(MirrorShadows::Auto);
+        assert_eq!(from, MirrorShadows::Shared, "{}", scene.name);
+        let (own, from) = drawn(MirrorShadows::Own);
+        assert_eq!(from, MirrorShadows::Own);
+        let what = format!("{}-shared", scene.name);
+        shared.assert_alike(&own, TOLERANCE, SHARE, |_| true, &what);
+    }
+}
+
+/// A mirror on the wall, and what it shows behind the camera, where the camera's maps end.
+fn behind_the_camera() -> Scene {
+    let (light, _, _) = evening_sun(Vec3::Y, 1);
+    let config = CascadeShadowConfigBuilder {
+        num_cascades: 1,
+        maximum_distance: 10.0,
+        ..default()
+    };
+    Scene::new("behind-the-camera")
+        .eye(vec3(0.0, 1.6, 4.0), vec3(0.0, 0.8, 0.0))
+        .fov(20.0)
+        .mirror(Surface::wall(4.0, 2.0, at(0.0, 1.0, 0.0)))
+        .object(
+            Cuboid::from_length(0.4),
+            lit(Color::WHITE),
+            at(0.2, 0.6, 5.2),
+        )
+        .object(
+            Cuboid::new(8.0, 0.2, 12.0),
+            lit(Color::WHITE),
+            at(0.0, -0.1, 1.0),
+        )
+        .prop((
+            light,
+            config.build(),
+            at(0.4, 2.0, 0.3).looking_at(Vec3::ZERO, Vec3::Y),
+        ))
+}
+
+#[test]
+fn a_mirror_has_maps_of_its_own_where_the_cameras_end() {
+    let scene = behind_the_camera();
+    assert_shadows_matter(&scene);
     let mut studio = Studio::default();
-    let dark = studio.reference(scene, 0);
+    studio.assert_reflects(&scene);
+    assert_eq!(source(&mut studio), MirrorShadows::Own);
+}
+
+/// Every pixel is as with all shadows or as with none, and some of the first are of the second.
+#[test]
+fn what_the_cameras_maps_do_not_reach_is_lit_if_no_others_may_be_drawn() {
+    let mut scene = behind_the_camera();
+    scene.mirrors[0].mirror.shadows = MirrorShadows::Shared;
+    let mut studio = Studio::default();
+    let picture = studio.picture(&scene);
+    assert_eq!(source(&mut studio), MirrorShadows::Shared);
+    let mask = studio.mask(&scene, 0);
+    let shadowed = studio.reference(&scene, 0);
+    let lit = studio.reference(&without_shadows(&scene), 0);
+    let inside = |place| mask.inside(place);
+    let expected = picture.nearer(&shadowed, &lit);
+    picture.assert_alike(&expected, TOLERANCE, SHARE, inside, "unreached");
+    let unreached = picture.difference(&shadowed, TOLERANCE, inside);
+    assert!(unreached.is_ok_and(|unreached| unreached.beyond > 50));
+}
+
+/// The scene, in which no light throws shadows.
+fn without_shadows(scene: &Scene) -> Scene {
     let mut bright = scene.clone();
     for prop in &mut bright.props {
         let lit = prop.clone();
@@ -202,6 +307,14 @@ fn assert_shadows_matter(scene: &Scene) {
             }
         });
     }
+    bright
+}
+
+/// Without shadows the reflection would be another one: else the test would test nothing.
+fn assert_shadows_matter(scene: &Scene) {
+    let mut studio = Studio::default();
+    let dark = studio.reference(scene, 0);
+    let bright = without_shadows(scene);
     let mask = studio.mask(scene, 0);
     let difference = studio
         .reference(&bright, 0)
