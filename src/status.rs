@@ -1,7 +1,7 @@
 //! What a user reads: [`MirrorStatus`] tells, for each camera, whether a mirror is drawn and
 //! otherwise why not.
 
-use core::fmt;
+use core::{fmt, time::Duration};
 
 use bevy::{ecs::prelude::*, reflect::prelude::*};
 
@@ -101,7 +101,8 @@ pub enum NotDrawn {
 /// What there is to draw for mirrors in this frame: one entry for each reflected view. Written by
 /// the plugin alone, in `PostUpdate`.
 ///
-/// What that takes on the GPU is the span `planar_mirror_pass` of Bevy's render diagnostics.
+/// How long the GPU takes for all mirrors of a camera is the span `planar_mirror_pass` of Bevy's
+/// render diagnostics.
 #[derive(Resource, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Resource, Default, Clone, Debug, PartialEq)]
 pub struct MirrorFigures {
@@ -135,6 +136,20 @@ pub struct ViewFigures {
     /// Cascades of directional lights that are drawn for it: with [`MirrorShadows::Own`] those that
     /// something seen in it reads.
     pub cascades: usize,
+    /// What it took to draw, the last time that it was drawn: a frame or two ago. `None` if it
+    /// never was.
+    pub drawn: Option<DrawnFigures>,
+}
+
+/// What it took to draw a reflected view.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Clone, Debug, PartialEq)]
+pub struct DrawnFigures {
+    /// Draw calls for what shows in it. Many meshes that are drawn by one call are one, so these
+    /// may be fewer than the objects. Those for shadow maps do not count.
+    pub draws: usize,
+    /// How long the CPU took to record the commands for the view, with those for its shadow maps.
+    pub time: Duration,
 }
 
 impl MirrorStatus {

@@ -17,6 +17,7 @@ mod pictures {
     mod cutting;
     mod effects;
     mod extremes;
+    mod figures;
     mod foreign;
     mod hard_cases;
     mod harness;

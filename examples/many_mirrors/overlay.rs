@@ -1,6 +1,6 @@
 //! The text: the keys, and what there is to draw for mirrors.
 
-use std::fmt::Write;
+use std::{fmt::Write, time::Duration};
 
 use bevy::{
     diagnostic::{DiagnosticsStore, FrameTimeDiagnosticsPlugin},
@@ -71,18 +71,24 @@ fn show_figures(
     let mut lines = format!("reflected views: {}\n", figures.views.len());
     let last = figures.views.iter().map(|view| view.bounces).max();
     for bounce in 1..=last.unwrap_or(0) {
-        let (mut views, mut mirrors, mut objects, mut shadows, mut pixels) = (0, 0, 0, 0, 0.0);
+        let (mut views, mut mirrors, mut objects, mut draws, mut shadows) = (0, 0, 0, 0, 0);
+        let (mut pixels, mut time) = (0.0, Duration::ZERO);
         for view in figures.views.iter().filter(|view| view.bounces == bounce) {
             views += 1;
             mirrors += view.mirrors;
             objects += view.objects;
             shadows += view.cascades;
             pixels += view.pixels;
+            if let Some(drawn) = view.drawn {
+                draws += drawn.draws;
+                time += drawn.time;
+            }
         }
         // Writing to a String cannot fail.
         let _ = writeln!(
             lines,
-            "bounce {bounce}: views {views}, mirrors {mirrors}, objects {objects}, shadow cascades {shadows}, pixels {pixels:.0}",
+            "bounce {bounce}: views {views}, mirrors {mirrors}, objects {objects} in {draws} draws, shadow cascades {shadows}, pixels {pixels:.0}, CPU {:.2} ms",
+            time.as_secs_f64() * 1e3,
         );
     }
     if let Some(spans) = reader.read(&store) {

@@ -11,10 +11,12 @@
 //! | many lamps sorted | `Core3d` of a reflected view, before its camera's | the engine |
 //! | mesh uniforms and indirect parameters | `Core3d`, before the passes | `preprocess.rs` |
 //! | the mirror pass | `Core3d`, between opaque and transparent | `pass.rs`, `reflection.rs` |
+//! | what it took, for the main world | the next `ExtractSchedule` | `drawn.rs` |
 //!
 //! Every step does nothing while [`ExtractedMirrors`] is empty.
 
 mod clusters;
+mod drawn;
 mod extract;
 mod mask;
 mod pass;
@@ -61,6 +63,7 @@ pub fn embed_shaders(app: &mut App) {
 pub fn build_render_app(render_app: &mut SubApp) {
     render_app
         .init_resource::<ExtractedMirrors>()
+        .init_resource::<drawn::DrawnViews>()
         .add_schedule(Schedule::new(ReflectedCore3d))
         .add_schedule(PreprocessReflection::schedule())
         .init_gpu_resource::<StencilVariants>()
@@ -74,7 +77,15 @@ pub fn build_render_app(render_app: &mut SubApp) {
                 clusters::forget_lamps,
             ),
         )
-        .add_systems(ExtractSchedule, extract::extract_mirrors)
+        .add_systems(
+            ExtractSchedule,
+            // Of the frame before, if it had mirrors.
+            (
+                drawn::hand_back.run_if(any_mirrors),
+                extract::extract_mirrors,
+            )
+                .chain(),
+        )
         .add_systems(
             Render,
             (

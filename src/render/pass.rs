@@ -11,6 +11,8 @@
 //! So the picture in a mirror is made in the order in which the camera's own is, one mirror after
 //! the other, and any number of them needs no more than one stencil value a reflection.
 
+use core::{cell::Cell, time::Duration};
+
 use bevy::{
     camera::{MainPassResolutionOverride, Viewport},
     ecs::{prelude::*, system::SystemParam},
@@ -31,17 +33,20 @@ use bevy::{
 use glam::UVec2;
 
 use super::{
+    drawn::{DrawnViews, Laps},
     pixels::pixel_bounds,
     prepare::{PreparedMirror, PreparedSurface, ViewMirrors},
     reflection::{Reflection, Reflections},
     shadow::MirrorShadowPasses,
 };
+use crate::status::DrawnFigures;
 
 /// What the pass looks up.
 #[derive(SystemParam)]
 pub struct PassResources<'w, 's> {
     reflections: Reflections<'w, 's>,
     shadows: MirrorShadowPasses<'w, 's>,
+    drawn: Res<'w, DrawnViews>,
     cache: Res<'w, PipelineCache>,
     meshes: Res<'w, RenderAssets<RenderMesh>>,
     allocator: Res<'w, MeshAllocator>,
@@ -85,6 +90,7 @@ pub fn mirror_pass(
         viewport: viewport.as_ref(),
     };
 
+    let mut laps = Laps::begin();
     resources.shadows.copy_spots(&mut ctx);
     resources.draw_cascades(first, prepared, world, &mut ctx);
     let mut lit = first.prepared.view;
@@ -115,6 +121,7 @@ pub fn mirror_pass(
                 resources
                     .draw_surfaces(&mut pass, mirror, prepared, |surface| Some(surface.restore));
             }
+            mirror.took(&mut laps);
         }
         let Some(mirror) = next else {
             break;
@@ -136,6 +143,7 @@ pub fn mirror_pass(
         pass.set_blend_constant(prepared.background);
         pass.draw(0..3, 0..1);
         mirror.reflection.draw_opaque(&mut pass, world);
+        mirror.took(&mut laps);
         begun.push(mirror);
     }
     drop(pass);
@@ -153,8 +161,10 @@ pub fn mirror_pass(
     }
     for mirror in &mirrors {
         resources.draw_surfaces(&mut pass, mirror, prepared, |surface| surface.depth);
+        mirror.took(&mut laps);
     }
     drop(pass);
+    resources.drawn.add(mirrors.iter().map(Mirror::drawn));
 
     time_span.end(ctx.command_encoder());
 }
@@ -219,9 +229,24 @@ struct Mirror<'a> {
     /// Of what sees the surfaces.
     viewer_offset: u32,
     reflection: Reflection<'a>,
+    /// How long it took so far to record what it takes to draw.
+    time: Cell<Duration>,
 }
 
 impl Mirror<'_> {
+    /// What was recorded since the last lap was for this one.
+    fn took(&self, laps: &mut Laps) {
+        self.time.set(self.time.get() + laps.next());
+    }
+
+    fn drawn(&self) -> (Entity, DrawnFigures) {
+        let figures = DrawnFigures {
+            draws: self.reflection.draws(),
+            time: self.time.get(),
+        };
+        (self.reflection.main_entity, figures)
+    }
+
     /// Whether its shadow cascades have to be drawn where now those of `lit` are.
     fn must_be_lit(&self, lit: Entity) -> bool {
         !self.prepared.cascades.is_empty() && lit != self.prepared.view
@@ -280,6 +305,7 @@ impl PassResources<'_, '_> {
             prepared,
             viewer_offset,
             reflection: self.reflections.get(prepared.view)?,
+            time: Cell::default(),
         })
     }
 

@@ -14,8 +14,8 @@ use bevy::{
     render::{
         camera::ExtractedCamera,
         render_phase::{
-            BinnedRenderPhase, DrawError, SortedRenderPhase, TrackedRenderPass,
-            ViewBinnedRenderPhases, ViewSortedRenderPhases,
+            BinnedPhaseItem, BinnedRenderPhase, DrawError, SortedPhaseItem, SortedRenderPhase,
+            TrackedRenderPass, ViewBinnedRenderPhases, ViewSortedRenderPhases,
         },
         render_resource::{BindGroup, PipelineCache, RenderPipeline},
         renderer::RenderContext,
@@ -65,6 +65,7 @@ impl Reflections<'_, '_> {
         };
         Some(Reflection {
             entity,
+            main_entity: key.main_entity.id(),
             view_offset: offset.offset,
             cascades: cascades.filter(|cascades| !cascades.lights.is_empty()),
             opaque: self.opaque.get(key),
@@ -81,6 +82,8 @@ impl Reflections<'_, '_> {
 /// Everything that a reflected view sees.
 pub struct Reflection<'a> {
     pub entity: Entity,
+    /// The same in the main world.
+    pub main_entity: Entity,
     /// Of its view uniform.
     pub view_offset: u32,
     /// Directional shadows to draw before it.
@@ -116,6 +119,15 @@ impl<'a> Reflection<'a> {
             pass.set_bind_group(0, skybox.group, &skybox.offsets);
             pass.draw(0..3, 0..1);
         }
+    }
+
+    /// How many draw calls that takes; many batches drawn by one call are one.
+    pub fn draws(&self) -> usize {
+        self.opaque.map_or(0, binned_draws)
+            + self.alpha_mask.map_or(0, binned_draws)
+            + usize::from(self.skybox.is_some())
+            + self.transmissive.map_or(0, sorted_draws)
+            + self.transparent.map_or(0, sorted_draws)
     }
 
     /// Whether anything is drawn after the mirrors that are seen in it.
@@ -169,6 +181,29 @@ impl<'a> Reflection<'a> {
             report(phase.render(pass, world, self.entity));
         }
     }
+}
+
+/// As [`BinnedRenderPhase::render`] draws.
+fn binned_draws<I: BinnedPhaseItem>(phase: &BinnedRenderPhase<I>) -> usize {
+    let unbatched = phase.unbatchable_meshes.values();
+    let others = phase.non_mesh_items.values();
+    phase.multidrawable_meshes.len()
+        + phase.batchable_meshes.len()
+        + unbatched.map(|bin| bin.entities.len()).sum::<usize>()
+        + others.map(|bin| bin.entities.len()).sum::<usize>()
+}
+
+/// As [`SortedRenderPhase::render`] draws: the first of a batch stands for those behind it.
+fn sorted_draws<I: SortedPhaseItem>(phase: &SortedRenderPhase<I>) -> usize {
+    let (mut draws, mut next) = (0, 0);
+    for (index, item) in phase.items.values().enumerate() {
+        let batch = item.batch_range().len();
+        if index >= next && batch > 0 {
+            draws += 1;
+            next = index + batch;
+        }
+    }
+    draws
 }
 
 fn report(drawn: Result<(), DrawError>) {

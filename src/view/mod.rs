@@ -55,7 +55,7 @@ use bounds::WorldBox;
 use crate::{
     math::{Plane, ReflectedViewPlan},
     mirror::{MirrorClip, MirrorShadows},
-    status::{NotDrawn, Projection},
+    status::{DrawnFigures, NotDrawn, Projection},
 };
 
 /// How much the plugin may do.
@@ -99,6 +99,8 @@ pub struct LiveView {
     pub is_wanted: bool,
     /// Whether something crossed the mirror's plane, so that it had to be cut there.
     pub was_cut: bool,
+    /// What the renderer said last.
+    pub drawn: Option<DrawnFigures>,
 }
 
 /// What becomes of one mirror as seen by one camera.

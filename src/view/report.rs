@@ -76,6 +76,7 @@ pub fn report_figures(views: Res<ReflectedViews>, mut figures: ResMut<MirrorFigu
     if views.planned.is_empty() && figures.views.is_empty() {
         return;
     }
+    let drawn = |view: Option<Entity>| views.alive.get(&view?)?.drawn;
     figures.views.clear();
     figures.views.extend(
         views
@@ -92,6 +93,7 @@ pub fn report_figures(views: Res<ReflectedViews>, mut figures: ResMut<MirrorFigu
                 projection: planned.projection,
                 shadows: planned.shadows,
                 cascades: planned.cascades.len(),
+                drawn: drawn(planned.entity),
             }),
     );
 }
