@@ -1,5 +1,7 @@
 //! The rows of the table: what is compared with what, and the number to reach.
 
+use bevy_planar_mirror::MirrorShadows;
+
 use crate::{
     args::Plan,
     contest::{How, MIRRORS, Outcome, measure, side},
@@ -85,7 +87,13 @@ pub fn all() -> Vec<Row> {
             "shadows",
             "extra time of four cascades in the mirror / in a second camera",
             Some(0.25),
-            shadows,
+            |plan| shadows(plan, MirrorShadows::Auto),
+        ),
+        ratio(
+            "own-shadows",
+            "the same from shadow maps of the mirror's own",
+            None,
+            |plan| shadows(plan, MirrorShadows::Own),
         ),
         ratio(
             "64-mirrors",
@@ -228,8 +236,14 @@ fn against_second_camera(plan: &Plan, share: f32) -> Outcome {
     measure(plan, &sides, whole, extra_by_extra)
 }
 
-fn shadows(plan: &Plan) -> Outcome {
-    let scene = |shadows| rooms::teapot(plan.height, shadows);
+fn shadows(plan: &Plan, from: MirrorShadows) -> Outcome {
+    let scene = |shadows| {
+        let mut scene = rooms::teapot(plan.height, shadows)?;
+        for surface in &mut scene.mirrors {
+            surface.mirror.shadows = from;
+        }
+        Ok::<_, String>(scene)
+    };
     let (lit, shadowed) = (scene(false)?, scene(true)?);
     let sides = [
         side("mirror", MIRRORS, &lit),
