@@ -90,12 +90,14 @@
 //! # What it costs
 //!
 //! [`MirrorFigures`] lists the reflected views of a frame, with the pixels of the mirror, the
-//! objects and the shadow cascades drawn for it. How long the pass took is the span
+//! objects, the draw calls and the shadow cascades drawn for it, and the time that the CPU took to
+//! record them. How long the GPU took for all mirrors of a camera is the span
 //! `planar_mirror_pass` of Bevy's render diagnostics. With the feature `debug` gizmos show the
 //! visible part of each mirror and the frustum behind it, in which objects are looked for.
 //!
-//! A mirror costs what is seen in it: its pixels, the objects that show, and of the directional
-//! shadows those that fall on what shows, which [`MirrorShadows::Off`] spares. Where no more than
+//! A mirror costs what is seen in it: its pixels and the objects that show. Directional shadows come
+//! from the shadow maps that the camera has anyway, if these hold all that fall on what shows, and
+//! else from maps of the mirror's own with no others in them; see [`MirrorShadows`]. Where no more than
 //! eight lamps reach what shows, or 32 of a small mirror, they need no light clusters; with a light
 //! probe or a clustered decal anywhere in the world they do. Mirrors in one plane share a view, so
 //! that a floor of tiles costs as one mirror.

@@ -41,7 +41,7 @@ pub struct PlanarMirror {
     ///
     /// Default [`MirrorClip::Auto`]: they are cut at it.
     pub clip: MirrorClip,
-    /// Whether directional lights throw shadows on what is seen in it.
+    /// Where the shadows of directional lights on what is seen in it come from.
     ///
     /// Default [`MirrorShadows::Auto`]: as in the scene itself.
     pub shadows: MirrorShadows,

@@ -62,8 +62,8 @@ pub enum MirrorSystems {
     /// Drops what lies behind each mirror, chooses the projections and writes [`MirrorStatus`].
     /// After `VisibilitySystems::CheckVisibility`.
     ClipViews,
-    /// Leaves out directional shadows that fall on nothing seen in a mirror, and writes
-    /// [`MirrorFigures`]. Between
+    /// Takes the camera's directional shadows for what is seen in a mirror, or leaves out those that
+    /// fall on nothing seen, and writes [`MirrorFigures`]. Between
     /// `SimulationLightSystems::UpdateLightFrusta` and `CheckLightVisibility`.
     NarrowShadows,
     /// Takes the reflected views out of sight again. Between [`UpdateViews`](Self::UpdateViews)

@@ -9,9 +9,12 @@ use bevy::{
     camera::{RenderTarget, Viewport, visibility::VisibleEntities},
     core_pipeline::Skybox,
     ecs::entity_disabling::Disabled,
-    pbr::ViewLightEntities,
+    pbr::{Shadow, ViewLightEntities},
     prelude::*,
-    render::diagnostic::RenderDiagnosticsPlugin,
+    render::{
+        diagnostic::RenderDiagnosticsPlugin, render_phase::ViewBinnedRenderPhases,
+        view::ExtractedView,
+    },
 };
 use bevy_planar_mirror::PlanarMirrorPlugin;
 
@@ -93,7 +96,7 @@ struct Added {
     views: i64,
     /// Meshes drawn in them.
     meshes: i64,
-    /// Shadow cascades.
+    /// Shadow cascades into which something is drawn.
     cascades: i64,
     /// Passes that the engine's diagnostics know.
     passes: i64,
@@ -287,10 +290,14 @@ fn count(stage: &mut Stage, known: &HashSet<Name>) -> Result<Added, String> {
     }
     let render = stage.render_world();
     let mut lights = render.query::<&ViewLightEntities>();
+    let phases = render.resource::<ViewBinnedRenderPhases<Shadow>>();
     let cascades = lights
         .iter(render)
-        .map(|view| view.lights.len() as i64)
-        .sum();
+        .flat_map(|view| &view.lights)
+        .filter_map(|light| render.get::<ExtractedView>(*light))
+        .filter_map(|view| phases.get(&view.retained_view_entity))
+        .filter(|phase| !phase.is_empty())
+        .count() as i64;
     let own = |label: &&String| label.starts_with("planar_mirror");
     let labels = stage.pipeline_labels();
     let memory = Memory::of(stage).unwrap_or_default();

@@ -2,11 +2,10 @@
 //!
 //! Every camera draws its directional cascades into the same layers of one shared texture, just
 //! before its own main pass. A reflected view is drawn within another camera's main pass, when
-//! those layers hold that camera's cascades. Some reflected views read these. The others have an
-//! array of their own,
-//! of the same shape: one for all of them, since the pass draws a view's cascades just before its
-//! picture. Spot lights keep their maps in the later layers of the shared texture; those layers
-//! are copied, not drawn again. Point lights have a texture to themselves.
+//! those layers hold that camera's cascades, and may read them. If it has cascades of its own, these
+//! go into an array of the same shape: one for all reflected views, since the pass draws a view's
+//! cascades just before its picture. Spot lights keep their maps in the later layers of the shared
+//! texture; those layers are copied, not drawn again. Point lights have a texture to themselves.
 //!
 //! Of a cascade only what the reflection reads is drawn. The rest of a layer may hold what another
 //! view left there.

@@ -203,9 +203,7 @@ fn shared_maps_show_the_same_shadows_texel_for_texel() {
 /// How many points of a random scene were compared; none if its maps are not shared.
 fn texels(seed: u64) -> u32 {
     let mut random = SplitMix::new(seed);
-    let mut between = |low: f32, high: f32| {
-        low + (high - low) * (random.next() >> 40) as f32 / (1_u64 << 24) as f32
-    };
+    let mut between = |low: f32, high: f32| low + (high - low) * random.share() as f32;
     let place = floor(0.0) * Transform::from_scale(Vec3::splat(between(0.5, 4.0)));
     let eye = vec3(between(-3.0, 3.0), between(0.5, 4.0), between(3.0, 6.0));
     let eye = Transform::from_translation(eye).looking_at(Vec3::ZERO, Vec3::Y);

@@ -20,7 +20,7 @@ pub type Shares = [f64; COUNT];
 /// The shares of one seed.
 pub fn shares(seed: u64) -> Shares {
     let mut random = SplitMix::new(seed);
-    [0.0; COUNT].map(|_| (random.next() >> 11) as f64 / (1_u64 << 53) as f64)
+    [0.0; COUNT].map(|_| random.share())
 }
 
 /// The tamest shares, one after the other, for which `fails` still holds.
