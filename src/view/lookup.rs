@@ -77,42 +77,48 @@ impl Lookup {
     /// The device coordinates of what is read of a cascade's map.
     pub fn map_bounds(&self, cascade: &Cascade) -> (Vec2, Vec2) {
         let clip_from_world = cascade.clip_from_world.as_dmat4();
-        let [x, y] = [0, 1].map(|row| self.reached(clip_from_world.row(row), self.reach));
+        let [x, y] = [0, 1].map(|row| {
+            let row = clip_from_world.row(row);
+            widened(self.range(row), row, self.reach)
+        });
         (
             DVec2::new(x.0, y.0).as_vec2(),
             DVec2::new(x.1, y.1).as_vec2(),
         )
     }
 
-    /// Whether all that is read lies in a cascade.
+    /// Whether all that is read of objects lies in a cascade.
     pub fn is_within(&self, cascade: &Cascade) -> bool {
         let clip_from_world = cascade.clip_from_world.as_dmat4();
-        let within = |row: usize, least: f64, reach: f64| {
-            let (low, high) = self.reached(clip_from_world.row(row), reach);
+        let is_within = |row: usize, least: f64, reach: f64| {
+            let row = clip_from_world.row(row);
+            let (mut low, mut high) = self.range(row);
+            if let Some((lowest, highest)) = self.objects.map(|objects| objects.range(row)) {
+                low = low.max(lowest);
+                high = high.min(highest);
+            }
+            let (low, high) = widened((low, high), row, reach);
             low >= least && high <= 1.0
         };
-        within(0, -1.0, self.reach)
-            && within(1, -1.0, self.reach)
-            && within(2, 0.0, self.reach + self.lift)
+        is_within(0, -1.0, self.reach)
+            && is_within(1, -1.0, self.reach)
+            && is_within(2, 0.0, self.reach + self.lift)
     }
 
-    /// The least and the greatest value of a covector over what is seen.
+    /// The least and the greatest value of a covector over the corners.
     fn range(&self, covector: DVec4) -> (f64, f64) {
         let values = self.corners.map(|corner| covector.dot(corner.extend(1.0)));
-        let least = values.into_iter().fold(f64::INFINITY, f64::min);
-        let greatest = values.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        match self.objects.map(|objects| objects.range(covector)) {
-            Some((low, high)) => (least.max(low), greatest.min(high)),
-            None => (least, greatest),
-        }
+        (
+            values.into_iter().fold(f64::INFINITY, f64::min),
+            values.into_iter().fold(f64::NEG_INFINITY, f64::max),
+        )
     }
+}
 
-    /// The least and the greatest value so far around what is seen.
-    fn reached(&self, covector: DVec4, reach: f64) -> (f64, f64) {
-        let (least, greatest) = self.range(covector);
-        let guard = covector.truncate().length() * reach;
-        (least - guard, greatest + guard)
-    }
+/// A range of values of a covector, and of those so far around.
+fn widened((low, high): (f64, f64), covector: DVec4, reach: f64) -> (f64, f64) {
+    let guard = covector.truncate().length() * reach;
+    (low - guard, high + guard)
 }
 
 /// How far beside a point its shadow may be looked up, in the world; `None` if that is not known.
