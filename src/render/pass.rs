@@ -148,22 +148,7 @@ pub fn mirror_pass(
     }
     drop(pass);
 
-    let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
-        label: Some("planar_mirror_depth_pass"),
-        color_attachments: &[],
-        depth_stencil_attachment: Some(depth.get_attachment(StoreOp::Store)),
-        timestamp_writes: None,
-        occlusion_query_set: None,
-        multiview_mask: None,
-    });
-    if let Some(viewport) = &viewport {
-        pass.set_camera_viewport(viewport);
-    }
-    for mirror in &mirrors {
-        resources.draw_surfaces(&mut pass, mirror, prepared, |surface| surface.depth);
-        mirror.took(&mut laps);
-    }
-    drop(pass);
+    resources.draw_depth(&mirrors, &attachments, depth, &mut ctx, &mut laps);
     resources.drawn.add(mirrors.iter().map(Mirror::drawn));
 
     time_span.end(ctx.command_encoder());
@@ -369,6 +354,34 @@ impl PassResources<'_, '_> {
                 }
                 RenderMeshBufferInfo::NonIndexed => pass.draw(vertices.range, 0..1),
             }
+        }
+    }
+
+    /// Draws the surfaces that the camera itself sees into its depth.
+    fn draw_depth(
+        &self,
+        mirrors: &[Mirror],
+        attachments: &Attachments,
+        depth: &ViewDepthTexture,
+        ctx: &mut RenderContext,
+        laps: &mut Laps,
+    ) {
+        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+            label: Some("planar_mirror_depth_pass"),
+            color_attachments: &[],
+            depth_stencil_attachment: Some(depth.get_attachment(StoreOp::Store)),
+            timestamp_writes: None,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        if let Some(viewport) = attachments.viewport {
+            pass.set_camera_viewport(viewport);
+        }
+        for mirror in mirrors {
+            self.draw_surfaces(&mut pass, mirror, attachments.prepared, |surface| {
+                surface.depth
+            });
+            mirror.took(laps);
         }
     }
 

@@ -97,6 +97,18 @@ impl Sight {
         surfaces: &mut Vec<Entity>,
         mut tell: impl FnMut(usize, Result<usize, NotDrawn>),
     ) {
+        self.find(viewer, mirrors, &mut tell);
+        self.sort(viewer.max_views);
+        self.plan(viewer, planned, surfaces, tell);
+    }
+
+    /// Finds the mirrors that it sees, and which of them lie in one plane.
+    fn find(
+        &mut self,
+        viewer: &Viewer,
+        mirrors: &Query<MirrorInput>,
+        tell: &mut impl FnMut(usize, Result<usize, NotDrawn>),
+    ) {
         self.walls.forget();
         self.seen.clear();
         self.groups.clear();
@@ -124,9 +136,13 @@ impl Sight {
             };
             self.add(seen, input.settings, look.plane);
         }
-        // The order does not depend on the place on the screen unless something must be left out.
+    }
+
+    /// Those in one plane together. The largest come first if something must be left out; else the
+    /// order does not depend on the place on the screen.
+    fn sort(&mut self, max_views: usize) {
         let groups = &self.groups;
-        let too_many = groups.len() > viewer.max_views;
+        let too_many = groups.len() > max_views;
         let rank = |seen: &SeenMirror| {
             if too_many {
                 groups[seen.group].pixels
@@ -139,6 +155,16 @@ impl Sight {
                 .total_cmp(&rank(a))
                 .then((a.group, a.mirror).cmp(&(b.group, b.mirror)))
         });
+    }
+
+    /// Plans a view for those in one plane, as long as there may be more.
+    fn plan(
+        &self,
+        viewer: &Viewer,
+        planned: &mut Vec<PlannedView>,
+        surfaces: &mut Vec<Entity>,
+        mut tell: impl FnMut(usize, Result<usize, NotDrawn>),
+    ) {
         let mut left = viewer.max_views;
         for group in self.seen.chunk_by(|a, b| a.group == b.group) {
             let Group {
