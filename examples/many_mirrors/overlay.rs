@@ -87,7 +87,7 @@ fn show_figures(
         // Writing to a String cannot fail.
         let _ = writeln!(
             lines,
-            "bounce {bounce}: views {views}, mirrors {mirrors}, objects {objects} in {draws} draws, shadow cascades {shadows}, pixels {pixels:.0}, CPU {:.2} ms",
+            "bounce {bounce}: views {views}, mirrors {mirrors}, objects {objects} in {draws} draws, cascades {shadows}, pixels {pixels:.0}, CPU {:.2} ms",
             time.as_secs_f64() * 1e3,
         );
     }

@@ -195,7 +195,7 @@ fn shared_maps_show_the_same_shadows_texel_for_texel() {
     }
     // Else nothing is tested.
     assert!(
-        shared >= 20 && points > 1000,
+        shared >= 40 && points > 4000,
         "{shared} scenes, {points} points"
     );
 }

@@ -1,6 +1,7 @@
 //! What must change no picture of any scene. `PLANAR_MIRROR_SETTING=unseen cargo test --test pictures` draws all of
 //! them so. Of the tests, those then fail that count views or look for the one camera or status; with `unseen` those of
-//! facing mirrors, with `oblique` an orthographic camera by daylight, with `direct` that of a lamp's shadows.
+//! facing mirrors, with `oblique` an orthographic camera by daylight, with `direct` that of a lamp's shadows, with `own`
+//! that of shared shadow maps.
 
 use bevy::{camera::RenderTarget, prelude::*, render::view::NoIndirectDrawing};
 use bevy_planar_mirror::{MirrorClip, MirrorShadows, PlanarMirror};
