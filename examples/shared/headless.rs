@@ -19,8 +19,9 @@ use bevy::{
 
 use super::picture;
 
-/// Updates before the first picture: meshes, textures and pipelines are made in the first few.
-const WARM_UP: u32 = 4;
+/// Updates before the first picture: meshes, textures and pipelines are made in the first few, and
+/// what it took to draw them is told some updates later.
+const WARM_UP: u32 = 7;
 /// Updates to wait for a picture to come back from the device.
 const PATIENCE: u32 = 100;
 
