@@ -1,10 +1,16 @@
 //! Where an object lies in the world.
 
-use bevy::{camera::primitives::Aabb, transform::components::GlobalTransform};
+use bevy::{
+    camera::{primitives::Aabb, visibility::NoFrustumCulling},
+    ecs::query::Has,
+    transform::components::GlobalTransform,
+};
 use glam::{DVec3, DVec4};
 
+/// What tells where an object is.
+pub type Bounds<'a> = (&'a GlobalTransform, Option<&'a Aabb>, Has<NoFrustumCulling>);
+
 /// A box with its axes in the world.
-#[derive(Clone, Copy, Debug)]
 pub struct WorldBox {
     pub center: DVec3,
     /// From the center to the middles of three faces.
@@ -12,6 +18,14 @@ pub struct WorldBox {
 }
 
 impl WorldBox {
+    /// `None` if the object may be anywhere.
+    pub fn of(
+        (transform, aabb, is_anywhere): (&GlobalTransform, Option<&Aabb>, bool),
+    ) -> Option<Self> {
+        let aabb = aabb.filter(|_| !is_anywhere)?;
+        Some(Self::new(transform, aabb))
+    }
+
     pub fn new(transform: &GlobalTransform, aabb: &Aabb) -> Self {
         let world_from_local = transform.affine().as_daffine3();
         let half = aabb.half_extents.as_dvec3();
@@ -24,22 +38,6 @@ impl WorldBox {
                 axes.z_axis * half.z,
             ],
         }
-    }
-
-    /// The box that has two corners, and its edges along the axes of the world.
-    pub fn between(low: DVec3, high: DVec3) -> Self {
-        let half = (high - low) / 2.0;
-        Self {
-            center: (low + high) / 2.0,
-            half_axes: [DVec3::X * half.x, DVec3::Y * half.y, DVec3::Z * half.z],
-        }
-    }
-
-    /// The lowest and the highest coordinates in it.
-    pub fn corners(&self) -> (DVec3, DVec3) {
-        let [a, b, c] = self.half_axes.map(DVec3::abs);
-        let half = a + b + c;
-        (self.center - half, self.center + half)
     }
 
     /// The least and the greatest value of a covector over the box.

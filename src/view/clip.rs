@@ -5,24 +5,23 @@ use core::any::TypeId;
 use bevy::{
     camera::{
         Camera,
-        primitives::Aabb,
-        visibility::{NoCpuCulling, NoFrustumCulling, VisibleEntities},
+        visibility::{NoCpuCulling, VisibleEntities},
     },
     ecs::prelude::*,
     light::cluster::ClusterVisibilityClass,
     pbr::decal::ForwardDecal,
-    transform::components::GlobalTransform,
 };
-use glam::{DMat4, DVec3, DVec4};
+use glam::{DMat4, DVec4};
 
-use super::{DepthRange, PlannedView, ReflectedView, ReflectedViews, bounds::WorldBox};
+use super::{
+    DepthRange, PlannedView, ReflectedView, ReflectedViews,
+    bounds::{Bounds, WorldBox},
+};
 use crate::{
     math::{Side, classify, edge_sides, signed_distance_range},
     mirror::MirrorClip,
     status::Projection,
 };
-
-type Bounds<'a> = (&'a GlobalTransform, Option<&'a Aabb>, Has<NoFrustumCulling>);
 
 /// Takes out of each reflected view the mirror itself and whatever shows no part in front of the
 /// plane, and cuts at the plane only if something crosses it.
@@ -75,9 +74,6 @@ pub fn clip_reflected_views(
             } else {
                 DepthRange::EVERYTHING
             },
-            bounds: uncounted
-                .is_empty()
-                .then_some((DVec3::INFINITY, DVec3::NEG_INFINITY)),
         };
         let mut objects_in_view = 0;
         for (class, visible) in &mut visible.entities {
@@ -87,7 +83,7 @@ pub fn clip_reflected_views(
             }
             visible.retain(|&entity| match objects.get(entity) {
                 _ if mirrors.binary_search(&entity).is_ok() || decals.contains(entity) => false,
-                Ok(bounds) => seen.shows(bounds, planned, &rows, &sides),
+                Ok(bounds) => seen.shows(WorldBox::of(bounds), planned, &rows, &sides),
                 Err(_) => true,
             });
             objects_in_view += visible.len();
@@ -103,7 +99,6 @@ pub fn clip_reflected_views(
         };
         live.was_cut = seen.crossed;
         planned.depths = seen.depths;
-        planned.bounds = seen.bounds.map(|(low, high)| WorldBox::between(low, high));
         planned.objects = objects_in_view;
     }
 }
@@ -122,8 +117,6 @@ struct Seen {
     was_cut: bool,
     crossed: bool,
     depths: DepthRange,
-    /// The lowest and the highest coordinates; `None` if something may be anywhere.
-    bounds: Option<(DVec3, DVec3)>,
 }
 
 impl Seen {
@@ -132,18 +125,16 @@ impl Seen {
     /// An object without bounds may be anywhere.
     fn shows(
         &mut self,
-        (transform, aabb, unbounded): (&GlobalTransform, Option<&Aabb>, bool),
+        bounds: Option<WorldBox>,
         planned: &PlannedView,
         rows: &DepthRows,
         sides: &[DVec4],
     ) -> bool {
-        let (Some(aabb), false) = (aabb, unbounded) else {
+        let Some(bounds) = bounds else {
             self.crossed = true;
             self.depths = DepthRange::EVERYTHING;
-            self.bounds = None;
             return true;
         };
-        let bounds = WorldBox::new(transform, aabb);
         if sides.iter().any(|side| bounds.range(*side).1 < 0.0) {
             return false;
         }
@@ -159,11 +150,6 @@ impl Seen {
         self.crossed |= side == Side::Straddling;
         let (near, far) = bounds.range(rows.view_depth);
         self.depths.include(near as f32, far as f32);
-        let (low, high) = bounds.corners();
-        self.bounds = self
-            .bounds
-            .filter(|_| low.is_finite() && high.is_finite())
-            .map(|(lowest, highest)| (lowest.min(low), highest.max(high)));
         true
     }
 }

@@ -18,8 +18,8 @@ const FILTER_TEXELS: f64 = 5.0;
 pub struct Lookup {
     /// The corners, in the world, of what the cascade is sampled for.
     corners: [DVec3; 8],
-    /// A box around everything that is seen; `None` if something may be anywhere.
-    objects: Option<WorldBox>,
+    /// The covector of the depth in the view.
+    view_depth: DVec4,
     /// How far beside a point its shadow may be looked up.
     reach: f64,
     /// How far towards the light.
@@ -53,7 +53,7 @@ impl Lookup {
     ) -> Option<Self> {
         Some(Self {
             corners: seen_corners(planned, camera, config, index)?,
-            objects: planned.bounds,
+            view_depth: -DMat4::from(planned.plan.world_from_view.inverse()).row(2),
             reach: reach(light, filter, f64::from(texel_size))?,
             lift: f64::from(light.shadow_depth_bias.abs()),
         })
@@ -87,22 +87,43 @@ impl Lookup {
         )
     }
 
-    /// Whether all that is read of objects lies in a cascade.
-    pub fn is_within(&self, cascade: &Cascade) -> bool {
+    /// Whether a cascade holds all that is read of these objects. `None` may be anywhere.
+    pub fn is_within(
+        &self,
+        cascade: &Cascade,
+        mut objects: impl Iterator<Item = Option<WorldBox>>,
+    ) -> bool {
         let clip_from_world = cascade.clip_from_world.as_dmat4();
-        let is_within = |row: usize, least: f64, reach: f64| {
-            let row = clip_from_world.row(row);
-            let (mut low, mut high) = self.range(row);
-            if let Some((lowest, highest)) = self.objects.map(|objects| objects.range(row)) {
-                low = low.max(lowest);
-                high = high.min(highest);
-            }
-            let (low, high) = widened((low, high), row, reach);
-            low >= least && high <= 1.0
+        let sides = [
+            (clip_from_world.row(0), -1.0, self.reach),
+            (clip_from_world.row(1), -1.0, self.reach),
+            (clip_from_world.row(2), 0.0, self.reach + self.lift),
+        ];
+        let holds = |ranges: [(f64, f64); 3]| {
+            ranges
+                .into_iter()
+                .zip(sides)
+                .all(|(range, (row, least, reach))| {
+                    let (low, high) = widened(range, row, reach);
+                    low >= least && high <= 1.0
+                })
         };
-        is_within(0, -1.0, self.reach)
-            && is_within(1, -1.0, self.reach)
-            && is_within(2, 0.0, self.reach + self.lift)
+        let all = sides.map(|(row, ..)| self.range(row));
+        let (near, far) = self.range(self.view_depth);
+        holds(all)
+            || objects.all(|object| {
+                let Some(object) = object else {
+                    return false;
+                };
+                let (nearest, farthest) = object.range(self.view_depth);
+                let mut part = all;
+                for (part, (row, ..)) in part.iter_mut().zip(sides) {
+                    let (low, high) = object.range(row);
+                    *part = (part.0.max(low), part.1.min(high));
+                }
+                let is_elsewhere = nearest > far || farthest < near;
+                is_elsewhere || part.iter().any(|(low, high)| low > high) || holds(part)
+            })
     }
 
     /// The least and the greatest value of a covector over the corners.

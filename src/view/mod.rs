@@ -50,8 +50,6 @@ pub use fit::{MirrorPlace, place_mirrors};
 pub use report::{report_figures, report_status};
 pub use shadow::{SeenCascade, narrow_cascades};
 
-use bounds::WorldBox;
-
 use crate::{
     math::{Plane, ReflectedViewPlan},
     mirror::{MirrorClip, MirrorShadows},
@@ -141,9 +139,6 @@ pub struct PlannedView {
     pub clip_from_view: Mat4,
     /// The least and the greatest view depth of anything visible. Filled in with `projection`.
     pub depths: DepthRange,
-    /// A box around everything visible; `None` if something may be anywhere. Filled in with
-    /// `projection`.
-    pub bounds: Option<WorldBox>,
     /// Which of [`ReflectedViews::cascades`] are its own. Filled in after `depths`.
     pub cascades: Range<usize>,
     /// Which of [`ReflectedViews::lamps`] are in its only cluster; `None` if it has clusters that

@@ -12,22 +12,26 @@
 //! are pieces of one grid. If the camera's piece reaches wherever a reflection looks, it is read
 //! instead.
 
+use core::any::TypeId;
+
 use bevy::{
     camera::{
         Camera,
         primitives::{CascadesFrusta, Frustum},
-        visibility::VisibilityRange,
+        visibility::{VisibilityRange, VisibleEntities},
     },
-    ecs::{prelude::*, query::QueryData},
+    ecs::{prelude::*, query::QueryData, system::SystemParam},
     light::{
         CascadeShadowConfig, Cascades, DirectionalLight, NotShadowCaster, ShadowFilteringMethod,
+        cluster::ClusterVisibilityClass,
     },
     math::primitives::HalfSpace,
 };
 use glam::Vec2;
 
 use super::{
-    PlannedView, ReflectedViews,
+    DepthRange, PlannedView, ReflectedView, ReflectedViews,
+    bounds::{Bounds, WorldBox},
     lookup::{Lookup, is_cascade_read},
 };
 use crate::mirror::MirrorShadows;
@@ -53,6 +57,28 @@ pub struct Sun {
     frusta: &'static mut CascadesFrusta,
 }
 
+/// What reflected views show.
+#[derive(SystemParam)]
+pub struct Shown<'w, 's> {
+    visible: Query<'w, 's, &'static VisibleEntities, With<ReflectedView>>,
+    objects: Query<'w, 's, Bounds<'static>>,
+}
+
+impl Shown<'_, '_> {
+    /// The objects in a view. `None` may be anywhere.
+    fn boxes(&self, view: Entity, depths: DepthRange) -> impl Iterator<Item = Option<WorldBox>> {
+        // Then some may be in no list.
+        let unlisted = (depths == DepthRange::EVERYTHING).then_some(None);
+        let listed = self.visible.get(view).into_iter();
+        let listed = listed
+            .flat_map(|visible| &visible.entities)
+            .filter(|(class, _)| **class != TypeId::of::<ClusterVisibilityClass>())
+            .flat_map(|(_, objects)| objects)
+            .map(|&object| WorldBox::of(self.objects.get(object).ok()?));
+        unlisted.into_iter().chain(listed)
+    }
+}
+
 /// A reflected view, as far as what it reads depends on it.
 struct Reader<'a> {
     view: Entity,
@@ -67,6 +93,7 @@ pub fn narrow_cascades(
     cameras: Query<(&Camera, Option<&ShadowFilteringMethod>)>,
     // To each eye others of them are there.
     ranged_casters: Query<(), (With<VisibilityRange>, Without<NotShadowCaster>)>,
+    shown: Shown,
     mut suns: Query<Sun>,
 ) {
     let ReflectedViews {
@@ -90,7 +117,9 @@ pub fn narrow_cascades(
         let shadows = match planned.shadows {
             MirrorShadows::Auto => {
                 let is_shared = ranged_casters.is_empty()
-                    && suns.iter().all(|sun| reader.finds_all_at_the_cameras(&sun));
+                    && suns
+                        .iter()
+                        .all(|sun| reader.finds_all_at_the_cameras(&sun, &shown));
                 if is_shared {
                     MirrorShadows::Shared
                 } else {
@@ -109,7 +138,7 @@ pub fn narrow_cascades(
 
 impl Reader<'_> {
     /// Whether the camera's maps of a light hold all that this view would read of its own.
-    fn finds_all_at_the_cameras(&self, sun: &SunReadOnlyItem) -> bool {
+    fn finds_all_at_the_cameras(&self, sun: &SunReadOnlyItem, shown: &Shown) -> bool {
         // Else its cascades are those of the time when it still threw shadows.
         if !sun.light.shadow_maps_enabled {
             return true;
@@ -128,7 +157,8 @@ impl Reader<'_> {
             lookup
                 .zip(of_camera.get(index))
                 .is_some_and(|(lookup, of_camera)| {
-                    own.texel_size == of_camera.texel_size && lookup.is_within(of_camera)
+                    let objects = shown.boxes(self.view, self.planned.depths);
+                    own.texel_size == of_camera.texel_size && lookup.is_within(of_camera, objects)
                 })
         })
     }

@@ -204,7 +204,6 @@ impl Sight {
                     entity: members.iter().find_map(|seen| viewer.view_of(seen.entity)),
                     projection: Projection::Oblique,
                     depths: DepthRange::EVERYTHING,
-                    bounds: None,
                     cascades: 0..0,
                     lamps: None,
                     pixels: members.iter().map(|seen| seen.pixels).sum(),

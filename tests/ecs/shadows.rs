@@ -10,7 +10,7 @@ use bevy::{
 };
 use bevy_planar_mirror::{MirrorFigures, MirrorShadows, PlanarMirror};
 
-use super::app::{EYE, MirrorApp, above, floor, mirror_app};
+use super::app::{EYE, MirrorApp, above, floor, mirror_app, target};
 use crate::split_mix::SplitMix;
 
 /// A mirror, one that looks into it, and the sun.
@@ -34,7 +34,6 @@ fn sun(cascades: usize, first_far: f32, far: f32) -> impl Bundle {
             ..default()
         }
         .build(),
-        Transform::default().looking_to(vec3(1.0, -2.0, -1.0), Vec3::Y),
     )
 }
 
@@ -43,7 +42,8 @@ impl Lit {
         let mut app = mirror_app();
         let mirror = app.spawn_mirror(mirror);
         let camera = app.spawn_camera(eye);
-        let sun = app.spawn(sun(4, 8.0, 100.0));
+        let down = Transform::default().looking_to(vec3(1.0, -2.0, -1.0), Vec3::Y);
+        let sun = app.spawn((sun(4, 8.0, 100.0), down));
         Self {
             app,
             mirror,
@@ -137,6 +137,33 @@ fn the_cameras_maps_are_taken_where_they_serve() {
     assert_eq!(lit.figures(), (MirrorShadows::Own, 1));
     assert_ne!(matrix(&lit, view), matrix(&lit, camera));
     assert!(lit.casters() > 0);
+}
+
+/// Of each thing only as much as the mirror shows, and of each cascade only the things that are
+/// deep enough in the view to read it, have to be in the camera's map.
+#[test]
+fn the_cameras_maps_serve_for_things_on_a_floor() {
+    for (eye, size) in [
+        (vec3(0.0, 1.6, 4.0), uvec2(320, 180)),
+        (vec3(0.0, 1.6, 4.0), uvec2(160, 180)),
+        (vec3(1.5, 1.8, 4.0), uvec2(160, 180)),
+    ] {
+        let mut app = mirror_app();
+        app.spawn_mirror(floor(0.0) * Transform::from_scale(Vec3::splat(1.5)));
+        let place = Transform::from_translation(eye).looking_at(vec3(0.0, 0.2, 0.0), Vec3::Y);
+        let target = target(&mut app, size);
+        app.spawn((Camera3d::default(), target, place));
+        app.spawn_cube(1.0, vec3(-0.9, 0.8, 0.2));
+        app.spawn_cube(0.6, vec3(0.9, 0.6, 0.3));
+        app.spawn_cube(0.5, vec3(0.2, 0.9, 1.0));
+        app.spawn((
+            sun(2, 6.0, 20.0),
+            Transform::from_xyz(1.0, 3.0, 1.5).looking_at(Vec3::ZERO, Vec3::Y),
+        ));
+        app.update();
+        let view = app.world().resource::<MirrorFigures>().views[0];
+        assert_eq!(view.shadows, MirrorShadows::Shared, "from {eye}, {size}");
+    }
 }
 
 /// What a wall shows may lie behind the camera, where no cascade of the camera's is.
