@@ -94,7 +94,7 @@ pub enum MirrorClip {
 pub enum MirrorShadows {
     /// From the camera's, if these hold all shadows that fall on what is seen in the mirror, and
     /// otherwise from the mirror's own. It is decided anew in every frame, and changes no picture:
-    /// both are the same shadows, texel for texel.
+    /// both are the same shadows, texel for texel, but for the rounding of depths.
     ///
     /// The camera's serve where what is seen in the mirror lies within the camera's own cascades,
     /// at like distances: mostly so in floors, less often in walls. They are not taken where a
