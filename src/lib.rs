@@ -95,12 +95,12 @@
 //! `planar_mirror_pass` of Bevy's render diagnostics. With the feature `debug` gizmos show the
 //! visible part of each mirror and the frustum behind it, in which objects are looked for.
 //!
-//! A mirror costs what is seen in it: its pixels and the objects that show. Directional shadows come
-//! from the shadow maps that the camera has anyway, if these hold all that fall on what shows, and
-//! else from maps of the mirror's own with no others in them; see [`MirrorShadows`]. Where no more than
-//! eight lamps reach what shows, or 32 of a small mirror, they need no light clusters; with a light
-//! probe or a clustered decal anywhere in the world they do. Mirrors in one plane share a view, so
-//! that a floor of tiles costs as one mirror.
+//! A mirror costs what is seen in it: its pixels and the objects that show. Directional shadows
+//! come from the shadow maps that the camera has anyway, if these hold all that fall on what shows,
+//! and else from maps of the mirror's own with no others in them; see [`MirrorShadows`]. Where no
+//! more than eight lamps reach what shows, or 32 of a small mirror, they need no light clusters;
+//! with a light probe or a clustered decal anywhere in the world they do. Mirrors in one plane
+//! share a view, so that a floor of tiles costs as one mirror.
 //!
 //! What walls hide of a mirror costs nothing: opaque meshes of few triangles, see
 //! [`NotDrawn::Occluded`]. They may hide it together, and what moves is taken where it is in this

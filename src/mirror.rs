@@ -97,9 +97,9 @@ pub enum MirrorShadows {
     /// both are the same shadows, texel for texel, but for the rounding of depths.
     ///
     /// The camera's serve where what is seen in the mirror lies within the camera's own cascades,
-    /// at like distances: mostly so in floors, less often in walls. They are not taken where a
-    /// light has a `soft_shadow_size`, or while anything with a `VisibilityRange` throws shadows,
-    /// since what is in range may differ.
+    /// at like distances, as it mostly does in floors; a wall may show what lies behind the camera,
+    /// where these end. They are not taken where a light has a `soft_shadow_size`, or while
+    /// anything with a `VisibilityRange` throws shadows, since what is in range may differ.
     #[default]
     Auto,
     /// From shadow maps of the mirror's own, in which only what throws shadows on something

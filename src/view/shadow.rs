@@ -181,10 +181,11 @@ impl Reader<'_> {
                 hold_nothing(frustum);
                 continue;
             }
-            let of_camera = of_light
-                .get(&self.planned.camera)
-                .and_then(|of_camera| of_camera.get(index))
-                .cloned();
+            let of_camera = (shadows == MirrorShadows::Shared).then(|| {
+                let cascades = of_light.get(&self.planned.camera);
+                let cascade = cascades.and_then(|cascades| cascades.get(index));
+                cascade.cloned().unwrap_or_default()
+            });
             let Some(cascade) = of_light
                 .get_mut(&self.view)
                 .and_then(|own| own.get_mut(index))
@@ -192,9 +193,9 @@ impl Reader<'_> {
                 break;
             };
             needed = index + 1;
-            if shadows == MirrorShadows::Shared {
+            if let Some(of_camera) = of_camera {
                 hold_nothing(frustum);
-                *cascade = of_camera.unwrap_or_default();
+                *cascade = of_camera;
                 continue;
             }
             let lookup = self.lookup(sun.light, sun.config, index, cascade.texel_size);
