@@ -27,7 +27,7 @@ pub struct MirrorGizmos;
 /// Draws [`MirrorGizmos`].
 pub fn add_mirror_gizmos(app: &mut App) {
     app.init_gizmo_group::<MirrorGizmos>()
-        .add_systems(PostUpdate, draw_gizmos.after(MirrorSystems::ClipViews));
+        .add_systems(PostUpdate, draw_gizmos.after(MirrorSystems::SeeViews));
 }
 
 fn draw_gizmos(views: Res<ReflectedViews>, mut gizmos: Gizmos<MirrorGizmos>) {

@@ -3,10 +3,7 @@
 use bevy::{
     app::prelude::*,
     asset::Assets,
-    camera::{
-        CameraUpdateSystems,
-        visibility::{VisibilitySystems, check_visibility_cpu_culling, check_visibility_ranges},
-    },
+    camera::{CameraUpdateSystems, visibility::VisibilitySystems},
     ecs::prelude::*,
     light::SimulationLightSystems,
     mesh::Mesh,
@@ -19,10 +16,10 @@ use crate::{
     render,
     status::{MirrorFigures, MirrorStatus},
     view::{
-        MirrorLimits, ReflectedViews, any_reflected_views, apply_reflected_views,
-        clip_reflected_views, cluster_reflected_views, decide_reflected_views,
-        disable_reflected_views, enable_reflected_views, narrow_cascades, place_mirrors,
-        report_figures, report_status, some_views_wait,
+        MirrorLimits, ReflectedViews, add_ranged_casters, any_clusters_on_cpu, any_own_cascades,
+        any_reflected_views, apply_reflected_views, build_cascades, cluster_reflected_views,
+        decide_reflected_views, disable_reflected_views, enable_reflected_views, narrow_cascades,
+        place_mirrors, report_figures, report_status, see_reflected_views,
     },
 };
 
@@ -59,16 +56,13 @@ pub enum MirrorSystems {
     /// brings the reflected views in line with it. After `VisibilitySystems::UpdateFrusta`, before
     /// `VisibilitySystems::CheckVisibility`.
     UpdateViews,
-    /// Drops what lies behind each mirror, chooses the projections and writes [`MirrorStatus`].
-    /// After `VisibilitySystems::CheckVisibility`.
-    ClipViews,
+    /// Finds what shows in each mirror, chooses the projections and writes [`MirrorStatus`]. Part of
+    /// `VisibilitySystems::CheckVisibility`.
+    SeeViews,
     /// Takes the camera's directional shadows for what is seen in a mirror, or leaves out those that
     /// fall on nothing seen, and writes [`MirrorFigures`]. Between
     /// `SimulationLightSystems::UpdateLightFrusta` and `CheckLightVisibility`.
     NarrowShadows,
-    /// Takes the reflected views out of sight again. Between [`UpdateViews`](Self::UpdateViews)
-    /// and this, queries for cameras find them too.
-    HideViews,
 }
 
 impl Plugin for PlanarMirrorPlugin {
@@ -96,17 +90,13 @@ impl Plugin for PlanarMirrorPlugin {
                         .after(VisibilitySystems::UpdateFrusta)
                         .after(VisibilitySystems::VisibilityPropagate)
                         .after(VisibilitySystems::CalculateBounds)
-                        .before(VisibilitySystems::CheckVisibility)
-                        .before(SimulationLightSystems::UpdateDirectionalLightCascades),
-                    MirrorSystems::ClipViews.after(VisibilitySystems::CheckVisibility),
+                        .after(SimulationLightSystems::UpdateDirectionalLightCascades)
+                        .before(VisibilitySystems::CheckVisibility),
+                    // Lights that only a mirror shows are visible too, and have to be known as such.
+                    MirrorSystems::SeeViews.in_set(VisibilitySystems::CheckVisibility),
                     MirrorSystems::NarrowShadows
                         .after(SimulationLightSystems::UpdateLightFrusta)
                         .before(SimulationLightSystems::CheckLightVisibility),
-                    MirrorSystems::HideViews
-                        .after(VisibilitySystems::MarkNewlyHiddenEntitiesInvisible)
-                        .after(SimulationLightSystems::UpdateLightFrusta)
-                        .after(SimulationLightSystems::AssignLightsToClusters)
-                        .after(SimulationLightSystems::CheckLightVisibility),
                 )
                     .chain(),
             )
@@ -117,28 +107,32 @@ impl Plugin for PlanarMirrorPlugin {
                         place_mirrors.run_if(resource_exists::<Assets<Mesh>>),
                         decide_reflected_views,
                         apply_reflected_views.run_if(any_reflected_views),
-                        cluster_reflected_views.run_if(any_reflected_views),
+                        (cluster_reflected_views, build_cascades).run_if(any_reflected_views),
                     )
                         .chain()
                         .in_set(MirrorSystems::UpdateViews),
                     (
-                        clip_reflected_views.run_if(any_reflected_views),
+                        see_reflected_views.run_if(any_reflected_views),
                         report_status,
                     )
                         .chain()
-                        .in_set(MirrorSystems::ClipViews),
+                        .in_set(MirrorSystems::SeeViews),
                     (narrow_cascades.run_if(any_reflected_views), report_figures)
                         .chain()
                         .in_set(MirrorSystems::NarrowShadows),
-                    enable_reflected_views
-                        .run_if(some_views_wait)
-                        .after(check_visibility_ranges)
-                        .after(MirrorSystems::UpdateViews)
-                        .before(check_visibility_cpu_culling)
-                        .before(SimulationLightSystems::UpdateDirectionalLightCascades),
-                    disable_reflected_views
-                        .run_if(any_reflected_views)
-                        .in_set(MirrorSystems::HideViews),
+                    add_ranged_casters
+                        .run_if(any_own_cascades)
+                        .after(SimulationLightSystems::CheckLightVisibility)
+                        .before(VisibilitySystems::MarkNewlyHiddenEntitiesInvisible),
+                    // No longer than needed: in between queries for cameras find the views too.
+                    (
+                        enable_reflected_views
+                            .after(MirrorSystems::SeeViews)
+                            .before(SimulationLightSystems::AssignLightsToClusters),
+                        disable_reflected_views
+                            .after(SimulationLightSystems::AssignLightsToClusters),
+                    )
+                        .run_if(any_clusters_on_cpu),
                 ),
             );
     }

@@ -69,18 +69,25 @@ pub enum NotDrawn {
     MeshNotFlat,
     /// The mesh has vertex positions or indices that cannot be read: not triangles, or not finite.
     MeshNotReadable,
+    /// The mirror's mesh is skinned or morphed, so that it is not where its vertices say.
+    MeshDeforms,
     /// The mirror's transform is not finite, or flattens the plane to a line or a point.
     DegenerateTransform,
     /// The camera's transform or projection is not finite or cannot be inverted.
     DegenerateCamera,
-    /// The camera's target has no pixels, or is not known yet.
+    /// The camera draws no picture: its target is `RenderTarget::None`, has no pixels, or is not
+    /// known yet.
     NoTarget,
+    /// The camera's `CameraRenderGraph` is not `Core3d`, in which the mirrors are drawn.
+    OtherRenderGraph,
     /// The camera draws by deferred rendering, whose phases a mirror cannot use.
     DeferredCamera,
     /// The camera's eye is not in front of the plane, or too close to it to tell.
     EyeBehind,
     /// No part of the mirror is in the camera's view.
     OutOfView,
+    /// The camera is nearer to the mirror, or farther from it, than its `VisibilityRange` says.
+    OutOfRange,
     /// Opaque things before the mirror hide all of it from the camera.
     ///
     /// Such are meshes of at most 128 triangles, kept in the main world, with an opaque
@@ -190,12 +197,15 @@ impl fmt::Display for NotDrawn {
             Self::MeshEmpty => "the mesh has no triangle with an area",
             Self::MeshNotFlat => "the mesh is not flat",
             Self::MeshNotReadable => "the mesh is not made of finite triangles",
+            Self::MeshDeforms => "the mesh is skinned or morphed",
             Self::DegenerateTransform => "the mirror's transform is degenerate",
             Self::DegenerateCamera => "the camera's transform or projection is degenerate",
-            Self::NoTarget => "the camera's target has no pixels",
+            Self::NoTarget => "the camera draws no picture",
+            Self::OtherRenderGraph => "the camera's render graph is not Core3d",
             Self::DeferredCamera => "the camera uses deferred rendering",
             Self::EyeBehind => "the eye is not in front of the plane",
             Self::OutOfView => "out of view",
+            Self::OutOfRange => "out of its visibility range",
             Self::Occluded => "hidden by what stands before it",
             Self::TooThin => "thinner than half a pixel",
             Self::BelowPrecision => "below the precision of the coordinates",

@@ -123,10 +123,10 @@ pub fn clock_plugin(app: &mut App) {
                 stop.after(MirrorSystems::UpdateViews)
                     .before(VisibilitySystems::CheckVisibility),
                 start
-                    .after(VisibilitySystems::CheckVisibility)
-                    .before(MirrorSystems::ClipViews),
-                stop.after(MirrorSystems::ClipViews)
-                    .before(MirrorSystems::HideViews),
+                    .after(bevy::camera::visibility::check_visibility_cpu_culling)
+                    .before(MirrorSystems::SeeViews),
+                stop.after(MirrorSystems::SeeViews)
+                    .before(MirrorSystems::NarrowShadows),
             ),
         );
 }

@@ -5,6 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use bevy::{ecs::prelude::*, platform::time::Instant, render::MainWorld};
 
+use super::extract::ExtractedMirrors;
 use crate::{status::DrawnFigures, view::ReflectedViews};
 
 /// The views that the pass has drawn since the last extraction. Entities are those of the main
@@ -19,13 +20,22 @@ impl DrawnViews {
     }
 }
 
-/// Lets the next [`MirrorFigures`](crate::MirrorFigures) know.
-pub fn hand_back(mut main_world: ResMut<MainWorld>, mut drawn: ResMut<DrawnViews>) {
+/// Lets the next [`MirrorFigures`](crate::MirrorFigures) know, and the next choice of projections.
+pub fn hand_back(
+    mut main_world: ResMut<MainWorld>,
+    mut drawn: ResMut<DrawnViews>,
+    mirrors: Res<ExtractedMirrors>,
+) {
     let mut views = main_world.resource_mut::<ReflectedViews>();
     let drawn = drawn.0.get_mut().unwrap_or_else(PoisonError::into_inner);
     for (view, figures) in drawn.drain(..) {
         if let Some(live) = views.alive.get_mut(&view) {
             live.drawn = Some(figures);
+        }
+    }
+    for mirror in &mirrors.views {
+        if let Some(live) = views.alive.get_mut(&mirror.main_view) {
+            live.has_foreign_items = mirror.has_foreign_items;
         }
     }
 }

@@ -4,11 +4,15 @@ use core::ops::Range;
 
 use bevy::{
     asset::AssetId,
-    camera::{Camera3d, primitives::Frustum},
-    ecs::{prelude::*, schedule::ScheduleLabel},
+    camera::{
+        Camera3d, MainPassResolutionOverride, primitives::Frustum, visibility::VisibilityRange,
+    },
+    core_pipeline::prepass::PreviousViewData,
+    ecs::{prelude::*, query::QueryData, schedule::ScheduleLabel},
     light::cluster::GlobalClusterSettings,
-    math::primitives::HalfSpace,
+    math::{Affine3A, primitives::HalfSpace},
     mesh::{Mesh, Mesh3d},
+    pbr::PreviousGlobalTransform,
     render::{
         Extract,
         camera::{CameraMainPassTextureFormats, ExtractedCamera, TemporalJitter},
@@ -18,7 +22,7 @@ use bevy::{
     },
     transform::components::GlobalTransform,
 };
-use glam::{Mat4, Vec2, Vec3};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 
 use super::preprocess::ReflectedCore3d;
 use crate::{
@@ -49,6 +53,8 @@ pub struct ExtractedMirrorView {
     pub viewer: Entity,
     /// The reflected view.
     pub view: Entity,
+    /// The same in the main world.
+    pub main_view: Entity,
     /// From 1; see [`PlannedView`].
     pub bounce: u8,
     /// The surfaces that are masked.
@@ -62,14 +68,63 @@ pub struct ExtractedMirrorView {
     pub cascades: Range<usize>,
     /// Which of [`ExtractedMirrors::lamps`] are in its only cluster; see [`PlannedView`].
     pub lamps: Option<Range<usize>>,
-    /// By how much the depths that two programs compute for a surface in `viewer` may differ.
+    /// By how much the depths that two programs compute for a surface in `view` may differ while
+    /// its near plane lies on the mirror.
     pub depth_noise: f32,
+    /// Whether it does.
+    pub is_oblique: bool,
+    /// Whether other plugins put something into it.
+    pub has_foreign_items: bool,
+    /// Whether the GPU may cull by the view's frustum.
+    pub culls_on_gpu: bool,
 }
+
+impl ExtractedMirrorView {
+    /// Whether it is seen by an odd number of reflections, which turn the winding around.
+    pub fn is_flipped(&self) -> bool {
+        self.bounce % 2 == 1
+    }
+
+    /// A projection for the view as the GPU gets it: its space has the handedness of the camera's.
+    ///
+    /// A reflected view's own axes are left-handed. A shader that builds a billboard from them would
+    /// make one that winds like no other mesh in the reflection. So the axis that points to the
+    /// right is turned around, and the projection puts it right again: every point of the world
+    /// stays where it is in the picture, to the bit.
+    pub fn handed(&self, clip_from_view: Mat4) -> Mat4 {
+        if self.is_flipped() {
+            clip_from_view * Mat4::from_scale(TURN_RIGHT_AROUND)
+        } else {
+            clip_from_view
+        }
+    }
+}
+
+const TURN_RIGHT_AROUND: Vec3 = Vec3::new(-1.0, 1.0, 1.0);
 
 /// The surface of a mirror.
 pub struct ExtractedSurface {
+    /// In the main world.
+    pub mirror: Entity,
     pub mesh: AssetId<Mesh>,
     pub world_from_local: Mat4,
+    /// Where the camera saw it in the last frame.
+    pub previous_clip_from_local: Mat4,
+    /// Of the plane, in the world.
+    pub normal: Vec3,
+    /// Where it begins to fade in, is there, begins to fade out and is gone, by distance from the
+    /// eye; `None` if it does not fade.
+    pub fade: Option<Vec4>,
+}
+
+/// A mirror as extraction reads it.
+#[derive(QueryData)]
+pub struct SurfaceInput {
+    entity: Entity,
+    mesh: &'static Mesh3d,
+    transform: &'static GlobalTransform,
+    previous: Option<&'static PreviousGlobalTransform>,
+    range: Option<&'static VisibilityRange>,
 }
 
 /// See [`SeenCascade`](crate::view::SeenCascade).
@@ -84,7 +139,8 @@ pub fn extract_mirrors(
     mut extracted: ResMut<ExtractedMirrors>,
     views: Extract<Res<ReflectedViews>>,
     entities: Extract<Query<RenderEntity>>,
-    mirrors: Extract<Query<(&Mesh3d, &GlobalTransform)>>,
+    mirrors: Extract<Query<SurfaceInput>>,
+    previous: Extract<Query<&PreviousViewData>>,
 ) {
     let extracted = &mut *extracted;
     extracted.views.clear();
@@ -93,7 +149,7 @@ pub fn extract_mirrors(
     extracted.lamps.clear();
     for (index, planned) in views.planned.iter().enumerate() {
         if planned.viewer.is_none() {
-            extract_tree(index, &views, &entities, &mirrors, extracted);
+            extract_tree(index, &views, &entities, (&mirrors, &previous), extracted);
         }
     }
 }
@@ -103,28 +159,27 @@ fn extract_tree(
     index: usize,
     views: &ReflectedViews,
     entities: &Query<RenderEntity>,
-    mirrors: &Query<(&Mesh3d, &GlobalTransform)>,
+    (mirrors, previous): (&Query<SurfaceInput>, &Query<&PreviousViewData>),
     extracted: &mut ExtractedMirrors,
 ) {
     let planned = &views.planned[index];
     let outer = planned.viewer.map(|outer| &views.planned[outer]);
     let viewer = outer.map_or(Some(planned.camera), |outer| outer.entity);
     let render_entity = |entity: Option<Entity>| entities.get(entity?).ok();
-    let (Some(camera), Some(viewer), Some(view)) = (
+    let (Some(camera), Some(viewer), Some(view), Some(main_view)) = (
         render_entity(Some(planned.camera)),
         render_entity(viewer),
         render_entity(planned.entity),
+        planned.entity,
     ) else {
         return;
     };
     let first = extracted.surfaces.len();
+    let before = previous.get(planned.camera).ok();
     extracted.surfaces.extend(
         mirrors
             .iter_many(&views.surfaces[planned.mirrors.clone()])
-            .map(|(mesh, transform)| ExtractedSurface {
-                mesh: mesh.id(),
-                world_from_local: transform.to_matrix(),
-            }),
+            .map(|mirror| surface(&mirror, planned.plane.normal.as_vec3(), before)),
     );
     let first_cascade = extracted.cascades.len();
     let read = &views.cascades[planned.cascades.clone()];
@@ -152,6 +207,7 @@ fn extract_tree(
         camera,
         viewer,
         view,
+        main_view,
         bounce: planned.bounce,
         surfaces: first..extracted.surfaces.len(),
         clip_from_view: planned.clip_from_view,
@@ -159,17 +215,40 @@ fn extract_tree(
         ndc_bounds: (low.as_vec2(), high.as_vec2()),
         cascades: first_cascade..extracted.cascades.len(),
         lamps,
-        depth_noise: match outer {
-            Some(outer) if outer.projection == Projection::Oblique => {
-                depth_error(outer.plan.noise) as f32
-            }
-            _ => 0.0,
-        },
+        depth_noise: depth_error(planned.plan.noise) as f32,
+        is_oblique: planned.projection == Projection::Oblique,
+        has_foreign_items: false,
+        culls_on_gpu: planned.culls_on_gpu,
     });
     for inner in index + 1..views.planned.len() {
         if views.planned[inner].viewer == Some(index) {
-            extract_tree(inner, views, entities, mirrors, extracted);
+            extract_tree(inner, views, entities, (mirrors, previous), extracted);
         }
+    }
+}
+
+fn surface(
+    mirror: &SurfaceInputItem,
+    normal: Vec3,
+    camera: Option<&PreviousViewData>,
+) -> ExtractedSurface {
+    let now = mirror.transform.affine();
+    let before = mirror.previous.map_or(now, |previous| previous.0);
+    let clip_from_world = camera.map_or(Mat4::IDENTITY, |camera| camera.clip_from_world);
+    ExtractedSurface {
+        mirror: mirror.entity,
+        mesh: mirror.mesh.id(),
+        world_from_local: now.into(),
+        previous_clip_from_local: (clip_from_world.as_dmat4() * Mat4::from(before).as_dmat4())
+            .as_mat4(),
+        normal,
+        fade: mirror
+            .range
+            .filter(|range| !range.is_abrupt())
+            .map(|range| {
+                let (appear, vanish) = (&range.start_margin, &range.end_margin);
+                Vec4::new(appear.start, appear.end, vanish.start, vanish.end)
+            }),
     }
 }
 
@@ -194,7 +273,11 @@ pub fn configure_mirror_views(
         let (main_view, _, mut main_camera, _) = main;
         let (mut view, mut camera, _, frustum) = reflected;
         view.target_format = main_view.target_format;
-        view.clip_from_view = mirror.clip_from_view;
+        view.clip_from_view = mirror.handed(mirror.clip_from_view);
+        if mirror.is_flipped() {
+            let turned = Affine3A::from_scale(TURN_RIGHT_AROUND);
+            view.world_from_view = (view.world_from_view.affine() * turned).into();
+        }
         formats.insert(mirror.view, main_view.target_format);
         // Without a size no depth or transmission texture is made for a view that draws into
         // its camera's.
@@ -204,9 +287,12 @@ pub fn configure_mirror_views(
         if mirror.lamps.is_some() || !are_sorted_on_gpu {
             camera.schedule = ReflectedCore3d.intern();
         }
-        // What is to be seen was found out on the CPU. The GPU would do it again, and take what has
-        // no bounds for a point, which so narrow a frustum often does not hold.
-        if let Some(mut frustum) = frustum {
+        // What is to be seen was found out on the CPU, but for meshes with `NoCpuCulling`. The GPU
+        // would do it again, and take what has no bounds for a point, which so narrow a frustum
+        // often does not hold.
+        if let Some(mut frustum) = frustum
+            && !mirror.culls_on_gpu
+        {
             for half_space in &mut frustum.half_spaces {
                 *half_space = HalfSpace::new(Vec3::Z.extend(f32::INFINITY));
             }
@@ -217,11 +303,27 @@ pub fn configure_mirror_views(
 }
 
 /// Temporal anti-aliasing moves the camera's picture by parts of a pixel, and with it what shows
-/// in its mirrors.
-pub fn share_jitter(mirrors: Res<ExtractedMirrors>, mut jitters: Query<&mut TemporalJitter>) {
+/// in its mirrors. An upscaler does so with a picture that has fewer pixels than its viewport.
+pub fn share_jitter(
+    mut commands: Commands,
+    mirrors: Res<ExtractedMirrors>,
+    mut jitters: Query<&mut TemporalJitter>,
+    resolutions: Query<&MainPassResolutionOverride>,
+) {
     for mirror in &mirrors.views {
         if let Ok([camera, mut view]) = jitters.get_many_mut([mirror.camera, mirror.view]) {
             view.offset = camera.offset;
+        }
+        match (resolutions.get(mirror.camera), resolutions.get(mirror.view)) {
+            (Ok(size), _) => {
+                let size = MainPassResolutionOverride(size.0);
+                commands.entity(mirror.view).insert(size);
+            }
+            (Err(_), Ok(_)) => {
+                let mut view = commands.entity(mirror.view);
+                view.remove::<MainPassResolutionOverride>();
+            }
+            (Err(_), Err(_)) => {}
         }
     }
 }

@@ -2,7 +2,10 @@
 
 use bevy::{
     asset::{AssetServer, Handle, load_embedded_asset},
-    core_pipeline::core_3d::CORE_3D_DEPTH_FORMAT,
+    core_pipeline::{
+        core_3d::CORE_3D_DEPTH_FORMAT,
+        prepass::{MOTION_VECTOR_PREPASS_FORMAT, NORMAL_PREPASS_FORMAT},
+    },
     ecs::prelude::*,
     mesh::{Mesh, MeshVertexBufferLayoutRef, PrimitiveTopology},
     render::{
@@ -19,7 +22,7 @@ use bevy::{
         },
         view::ViewUniform,
     },
-    shader::Shader,
+    shader::{Shader, ShaderDefVal},
     utils::default,
 };
 
@@ -63,15 +66,57 @@ pub enum SurfaceDraw {
     Mask,
     /// The same where a reflection shows it.
     InnerMask,
+    /// Counts the stencil down again where that reflection shows something behind the surface:
+    /// where its material has holes.
+    InnerHoles,
     /// Counts the stencil down again, and puts the surface's depth in place of its reflection's.
     Restore,
-    /// Depth into the camera's own depth texture.
-    Depth,
+    /// Depth into the camera's own depth texture, and what a prepass has besides.
+    Depth(PrepassColors),
+    /// Depth into the texture that a prepass leaves for others to read.
+    PrepassDepth,
+}
+
+/// What the camera's prepass has written besides depth.
+#[derive(Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub struct PrepassColors {
+    pub normals: bool,
+    pub motion_vectors: bool,
+}
+
+impl PrepassColors {
+    pub fn any(self) -> bool {
+        self.normals || self.motion_vectors
+    }
+
+    /// The targets of a pipeline that writes them, as the engine's prepass has them.
+    fn targets(self) -> Vec<Option<ColorTargetState>> {
+        let target = |format| ColorTargetState {
+            format,
+            blend: None,
+            write_mask: ColorWrites::ALL,
+        };
+        vec![
+            self.normals.then(|| target(NORMAL_PREPASS_FORMAT)),
+            self.motion_vectors
+                .then(|| target(MOTION_VECTOR_PREPASS_FORMAT)),
+        ]
+    }
+}
+
+/// What of a surface is there, of all that its mesh covers.
+#[derive(Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub struct SurfaceShape {
+    /// Only where its material was drawn, which has holes.
+    pub is_cut_out: bool,
+    /// Less and less of it, by its distance from the eye.
+    pub fades: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct SurfaceKey {
     draw: SurfaceDraw,
+    shape: SurfaceShape,
     pass: PassKey,
     topology: PrimitiveTopology,
     strip_index_format: Option<IndexFormat>,
@@ -83,13 +128,14 @@ impl SpecializedMasks {
         &mut self,
         cache: &PipelineCache,
         pipelines: &MirrorPipelines,
-        draw: SurfaceDraw,
+        (draw, shape): (SurfaceDraw, SurfaceShape),
         pass: PassKey,
         mesh: &RenderMesh,
     ) -> Option<CachedRenderPipelineId> {
         let topology = mesh.primitive_topology();
         let key = SurfaceKey {
             draw,
+            shape,
             pass,
             topology,
             strip_index_format: mesh.index_format().filter(|_| topology.is_strip()),
@@ -121,7 +167,7 @@ pub fn init_mirror_pipelines(mut commands: Commands, assets: Res<AssetServer>) {
         surface_layout: BindGroupLayoutDescriptor::new(
             "planar_mirror_surface_layout",
             &BindGroupLayoutEntries::sequential(
-                ShaderStages::VERTEX,
+                ShaderStages::VERTEX_FRAGMENT,
                 (
                     uniform_buffer::<ViewUniform>(true),
                     uniform_buffer::<MirrorUniform>(true),
@@ -165,50 +211,88 @@ impl SpecializedMeshPipeline for MirrorPipelines {
             multisample: samples(pass.samples),
             ..default()
         };
-        let (label, vertex) = match key.draw {
-            SurfaceDraw::Mask | SurfaceDraw::InnerMask => ("planar_mirror_mask", "mask_vertex"),
-            SurfaceDraw::Restore => ("planar_mirror_restore", "depth_vertex"),
-            SurfaceDraw::Depth => ("planar_mirror_depth", "depth_vertex"),
+        let is_multisampled = pass.samples > 1;
+        let is_cut_out = key.shape.is_cut_out;
+        let reads_depth = matches!(key.draw, SurfaceDraw::Mask | SurfaceDraw::PrepassDepth);
+        let (label, vertex, fragment) = match key.draw {
+            SurfaceDraw::Mask => ("mask", "near_vertex", "mask_fragment"),
+            SurfaceDraw::InnerMask => ("inner_mask", "near_vertex", "empty_fragment"),
+            SurfaceDraw::InnerHoles => ("inner_holes", "far_vertex", "empty_fragment"),
+            SurfaceDraw::Restore => ("restore", "far_vertex", "empty_fragment"),
+            SurfaceDraw::Depth(_) => ("depth", "far_vertex", "empty_fragment"),
+            SurfaceDraw::PrepassDepth => ("prepass_depth", "far_vertex", "prepass_depth_fragment"),
         };
-        descriptor.label = Some(label.into());
+        descriptor.label = Some(format!("planar_mirror_{label}").into());
         descriptor.vertex.entry_point = Some(vertex.into());
         descriptor.depth_stencil = Some(match key.draw {
             // Where two mirrors overlap the nearer one is seen.
-            SurfaceDraw::Mask | SurfaceDraw::InnerMask => DepthStencilState {
+            SurfaceDraw::Mask => DepthStencilState {
                 stencil: stencil(StencilOperation::IncrementClamp),
                 ..depth(pass.depth_stencil, CompareFunction::GreaterEqual)
+            },
+            // Where there may be holes, the depth of what is behind them is needed once more.
+            SurfaceDraw::InnerMask => DepthStencilState {
+                stencil: stencil(StencilOperation::IncrementClamp),
+                depth_write_enabled: Some(!is_cut_out),
+                ..depth(pass.depth_stencil, CompareFunction::GreaterEqual)
+            },
+            SurfaceDraw::InnerHoles => DepthStencilState {
+                stencil: stencil(StencilOperation::DecrementClamp),
+                depth_write_enabled: Some(false),
+                ..depth(pass.depth_stencil, CompareFunction::Greater)
             },
             SurfaceDraw::Restore => DepthStencilState {
                 stencil: stencil(StencilOperation::DecrementClamp),
                 ..depth(pass.depth_stencil, CompareFunction::Always)
             },
-            SurfaceDraw::Depth => depth(CORE_3D_DEPTH_FORMAT, CompareFunction::GreaterEqual),
+            SurfaceDraw::Depth(_) | SurfaceDraw::PrepassDepth => {
+                depth(CORE_3D_DEPTH_FORMAT, CompareFunction::GreaterEqual)
+            }
         });
-        if key.draw == SurfaceDraw::Depth {
-            return Ok(descriptor);
-        }
+        let mut defs: Vec<ShaderDefVal> = Vec::new();
+        let mut define = |name: &str, is_defined: bool| {
+            if is_defined {
+                defs.push(name.into());
+            }
+        };
+        let has_other_side = match key.draw {
+            SurfaceDraw::Mask => is_cut_out,
+            draw => draw == SurfaceDraw::PrepassDepth,
+        };
+        define("MASK", key.draw == SurfaceDraw::Mask);
+        define("PREPASS_DEPTH", key.draw == SurfaceDraw::PrepassDepth);
+        define("READS_DEPTH", reads_depth);
+        define("MULTISAMPLED", reads_depth && is_multisampled);
+        define("HAS_OTHER_SIDE", has_other_side);
+        define("FADES", key.shape.fades);
+        let no_color = ColorTargetState {
+            format: pass.color,
+            blend: None,
+            write_mask: ColorWrites::empty(),
+        };
         let mut fragment = FragmentState {
             shader: self.shader.clone(),
-            entry_point: Some("empty_fragment".into()),
-            targets: vec![Some(ColorTargetState {
-                format: pass.color,
-                blend: None,
-                write_mask: ColorWrites::empty(),
-            })],
+            entry_point: Some(fragment.into()),
             ..default()
         };
-        if key.draw == SurfaceDraw::Mask {
-            let mut defs = vec!["MASK".into()];
-            if pass.samples > 1 {
-                defs.push("MULTISAMPLED".into());
+        match key.draw {
+            SurfaceDraw::Depth(colors) if colors.any() => {
+                define("PREPASS_COLORS", true);
+                define("NORMALS", colors.normals);
+                define("MOTION_VECTORS", colors.motion_vectors);
+                fragment.entry_point = Some("prepass_fragment".into());
+                fragment.targets = colors.targets();
             }
+            SurfaceDraw::Depth(_) | SurfaceDraw::PrepassDepth => {}
+            _ => fragment.targets = vec![Some(no_color)],
+        }
+        if reads_depth {
             descriptor
                 .layout
                 .push(self.depth_layout(pass.samples).clone());
-            descriptor.vertex.shader_defs = defs.clone();
-            fragment.shader_defs = defs;
-            fragment.entry_point = Some("mask_fragment".into());
         }
+        descriptor.vertex.shader_defs = defs.clone();
+        fragment.shader_defs = defs;
         descriptor.fragment = Some(fragment);
         Ok(descriptor)
     }

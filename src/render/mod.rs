@@ -3,6 +3,8 @@
 //! | step | schedule | file |
 //! |---|---|---|
 //! | what to draw, for which camera | `ExtractSchedule`, then before views are prepared | `extract.rs` |
+//! | what light the air lets through | before views are prepared, `PrepareResources` | `atmosphere.rs` |
+//! | what is drawn without being culled on the CPU | before `Specialize` | `listed.rs` |
 //! | pipelines with a stencil test and a flipped front face | after `Specialize`, after `Queue` | `variant.rs` |
 //! | shadow maps that no other view draws over | `PrepareResources` | `shadow.rs` |
 //! | what glass in a reflection refracts | `PrepareResources` | `transmission.rs` |
@@ -10,19 +12,22 @@
 //! | which lamps reach a reflected view | `PrepareViews` | `clusters.rs` |
 //! | many lamps sorted | `Core3d` of a reflected view, before its camera's | the engine |
 //! | mesh uniforms and indirect parameters | `Core3d`, before the passes | `preprocess.rs` |
-//! | the mirror pass | `Core3d`, between opaque and transparent | `pass.rs`, `reflection.rs` |
+//! | the mirror pass | `Core3d`, between opaque and transparent | `pass.rs`, `ready.rs`, `reflection.rs` |
 //! | what it took, for the main world | the next `ExtractSchedule` | `drawn.rs` |
 //!
 //! Every step does nothing while [`ExtractedMirrors`] is empty.
 
+mod atmosphere;
 mod clusters;
 mod drawn;
 mod extract;
+mod listed;
 mod mask;
 mod pass;
 mod pixels;
 mod prepare;
 mod preprocess;
+mod ready;
 mod reflection;
 mod shadow;
 mod transmission;
@@ -37,8 +42,8 @@ use bevy::{
     },
     ecs::prelude::*,
     pbr::{
-        early_gpu_preprocess, early_prepass_build_indirect_parameters, main_transmissive_pass_3d,
-        prepare_lights,
+        collect_gpu_culled_meshes, early_gpu_preprocess, early_prepass_build_indirect_parameters,
+        main_transmissive_pass_3d, prepare_lights, resources::prepare_atmosphere_uniforms,
     },
     render::{ExtractSchedule, GpuResourceAppExt, Render, RenderStartup, RenderSystems},
 };
@@ -64,6 +69,7 @@ pub fn build_render_app(render_app: &mut SubApp) {
     render_app
         .init_resource::<ExtractedMirrors>()
         .init_resource::<drawn::DrawnViews>()
+        .init_gpu_resource::<ready::WholeViews>()
         .add_schedule(Schedule::new(ReflectedCore3d))
         .add_schedule(PreprocessReflection::schedule())
         .init_gpu_resource::<StencilVariants>()
@@ -83,16 +89,30 @@ pub fn build_render_app(render_app: &mut SubApp) {
             (
                 drawn::hand_back.run_if(any_mirrors),
                 extract::extract_mirrors,
+                ready::forget_whole_views,
             )
                 .chain(),
         )
         .add_systems(
             Render,
             (
-                extract::configure_mirror_views
+                (
+                    extract::configure_mirror_views,
+                    atmosphere::share_atmosphere,
+                )
                     .after(RenderSystems::ExtractCommands)
                     .before(RenderSystems::PrepareMeshes)
                     .before(RenderSystems::PrepareAssets),
+                listed::list_on_cpu_alone
+                    .after(collect_gpu_culled_meshes)
+                    .after(RenderSystems::PrepareMeshes)
+                    .before(RenderSystems::Specialize),
+                atmosphere::leave_atmosphere_to_cameras
+                    .after(prepare_atmosphere_uniforms)
+                    .before(RenderSystems::PrepareResources),
+                atmosphere::share_atmosphere_textures
+                    .after(RenderSystems::PrepareResources)
+                    .before(RenderSystems::PrepareBindGroups),
                 extract::share_jitter
                     .after(RenderSystems::PrepareViews)
                     .before(RenderSystems::PrepareResources),

@@ -15,6 +15,7 @@ use core::{cell::Cell, time::Duration};
 
 use bevy::{
     camera::{MainPassResolutionOverride, Viewport},
+    core_pipeline::prepass::ViewPrepassTextures,
     ecs::{prelude::*, system::SystemParam},
     render::{
         camera::ExtractedCamera,
@@ -23,12 +24,14 @@ use bevy::{
         render_asset::RenderAssets,
         render_phase::TrackedRenderPass,
         render_resource::{
-            CachedRenderPipelineId, LoadOp, Operations, PipelineCache,
+            CachedRenderPipelineId, LoadOp, Operations, PipelineCache, RenderPassColorAttachment,
             RenderPassDepthStencilAttachment, RenderPassDescriptor, RenderPipeline, StoreOp,
         },
         renderer::{RenderContext, ViewQuery},
+        texture::ColorAttachment,
         view::{ViewDepthTexture, ViewTarget, ViewUniformOffset},
     },
+    utils::default,
 };
 use glam::UVec2;
 
@@ -36,6 +39,7 @@ use super::{
     drawn::{DrawnViews, Laps},
     pixels::pixel_bounds,
     prepare::{PreparedMirror, PreparedSurface, ViewMirrors},
+    ready::WholeViews,
     reflection::{Reflection, Reflections},
     shadow::MirrorShadowPasses,
 };
@@ -47,6 +51,7 @@ pub struct PassResources<'w, 's> {
     reflections: Reflections<'w, 's>,
     shadows: MirrorShadowPasses<'w, 's>,
     drawn: Res<'w, DrawnViews>,
+    whole: Res<'w, WholeViews>,
     cache: Res<'w, PipelineCache>,
     meshes: Res<'w, RenderAssets<RenderMesh>>,
     allocator: Res<'w, MeshAllocator>,
@@ -67,11 +72,12 @@ pub fn mirror_pass(
         &ViewUniformOffset,
         &ViewMirrors,
         Option<&MainPassResolutionOverride>,
+        Option<&ViewPrepassTextures>,
     )>,
     resources: PassResources,
     mut ctx: RenderContext,
 ) {
-    let (camera, target, depth, view_offset, prepared, resolution) = view.into_inner();
+    let (camera, target, depth, view_offset, prepared, resolution, prepass) = view.into_inner();
     let Some(clear_pipeline) = resources.pipeline(prepared.clear_pipeline) else {
         return;
     };
@@ -139,6 +145,7 @@ pub fn mirror_pass(
         }
         resources.draw_surfaces(&mut pass, mirror, prepared, |surface| Some(surface.mask));
         pass.set_stencil_reference(u32::from(mirror.prepared.bounce));
+        resources.draw_surfaces(&mut pass, mirror, prepared, |surface| surface.holes);
         pass.set_render_pipeline(clear_pipeline);
         pass.set_blend_constant(prepared.background);
         pass.draw(0..3, 0..1);
@@ -148,7 +155,13 @@ pub fn mirror_pass(
     }
     drop(pass);
 
-    resources.draw_depth(&mirrors, &attachments, depth, &mut ctx, &mut laps);
+    resources.draw_depth(
+        &mirrors,
+        &attachments,
+        (depth, prepass),
+        &mut ctx,
+        &mut laps,
+    );
     resources.drawn.add(mirrors.iter().map(Mirror::drawn));
 
     time_span.end(ctx.command_encoder());
@@ -208,6 +221,17 @@ fn load_or_clear<V>(clear: bool, value: V) -> Operations<V> {
     }
 }
 
+/// What a prepass has written, to write more into it.
+fn prepass_attachment(texture: &Option<ColorAttachment>) -> Option<RenderPassColorAttachment<'_>> {
+    let texture = texture.as_ref()?;
+    Some(RenderPassColorAttachment {
+        view: &texture.texture.default_view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: load_or_clear(false, default()),
+    })
+}
+
 /// A reflected view that can be drawn.
 struct Mirror<'a> {
     prepared: &'a PreparedMirror,
@@ -243,8 +267,10 @@ struct Surface<'a> {
     prepared: &'a PreparedSurface,
     mesh: &'a RenderMesh,
     mask: &'a RenderPipeline,
+    holes: Option<&'a RenderPipeline>,
     restore: &'a RenderPipeline,
     depth: Option<&'a RenderPipeline>,
+    prepass_depth: Option<&'a RenderPipeline>,
 }
 
 impl PassResources<'_, '_> {
@@ -252,8 +278,8 @@ impl PassResources<'_, '_> {
         self.cache.get_render_pipeline(id)
     }
 
-    /// The views to draw, in order. A mirror whose surface cannot be drawn yet is left as it is, and
-    /// with it those that are seen in it.
+    /// The views to draw, in order. A mirror that cannot be drawn yet is left as it is, and with it
+    /// those that are seen in it.
     fn ready_mirrors<'a>(
         &'a self,
         prepared: &'a ViewMirrors,
@@ -286,10 +312,17 @@ impl PassResources<'_, '_> {
         } else {
             self.reflections.get(prepared.viewer)?.view_offset
         };
-        Some(Mirror {
+        let reflection = self.reflections.get(prepared.view)?;
+        let may_draw = self.whole.may_draw(
+            reflection.main_entity,
+            of_camera.pass,
+            &self.cache,
+            reflection.pipelines(),
+        );
+        may_draw.then_some(Mirror {
             prepared,
             viewer_offset,
-            reflection: self.reflections.get(prepared.view)?,
+            reflection,
             time: Cell::default(),
         })
     }
@@ -302,15 +335,19 @@ impl PassResources<'_, '_> {
         prepared.surfaces[mirror.surfaces.clone()]
             .iter()
             .filter_map(|surface| {
+                // All that it is to have.
+                let optional = |id: Option<_>| match id {
+                    Some(id) => self.pipeline(id).map(Some),
+                    None => Some(None),
+                };
                 Some(Surface {
                     prepared: surface,
                     mesh: self.meshes.get(surface.mesh)?,
                     mask: self.pipeline(surface.mask_pipeline)?,
+                    holes: optional(surface.holes_pipeline)?,
                     restore: self.pipeline(surface.restore_pipeline)?,
-                    depth: match surface.depth_pipeline {
-                        Some(id) => Some(self.pipeline(id)?),
-                        None => None,
-                    },
+                    depth: optional(surface.depth_pipeline)?,
+                    prepass_depth: optional(surface.prepass_depth_pipeline)?,
                 })
             })
     }
@@ -357,18 +394,22 @@ impl PassResources<'_, '_> {
         }
     }
 
-    /// Draws the surfaces that the camera itself sees into its depth.
+    /// Draws the surfaces that the camera itself sees into its depth, and into what its prepass has
+    /// written: effects would take what is hidden behind a mirror for what shows there.
     fn draw_depth(
         &self,
         mirrors: &[Mirror],
         attachments: &Attachments,
-        depth: &ViewDepthTexture,
+        (depth, prepass): (&ViewDepthTexture, Option<&ViewPrepassTextures>),
         ctx: &mut RenderContext,
         laps: &mut Laps,
     ) {
+        let colors = prepass.map(|prepass| [&prepass.normal, &prepass.motion_vectors]);
+        let colors = colors.map(|colors| colors.map(prepass_attachment));
+        let colors = colors.filter(|colors| colors.iter().any(Option::is_some));
         let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
             label: Some("planar_mirror_depth_pass"),
-            color_attachments: &[],
+            color_attachments: colors.as_ref().map_or(&[], |colors| colors),
             depth_stencil_attachment: Some(depth.get_attachment(StoreOp::Store)),
             timestamp_writes: None,
             occlusion_query_set: None,
@@ -380,6 +421,32 @@ impl PassResources<'_, '_> {
         for mirror in mirrors {
             self.draw_surfaces(&mut pass, mirror, attachments.prepared, |surface| {
                 surface.depth
+            });
+            mirror.took(laps);
+        }
+        drop(pass);
+        let Some(depth) = prepass.and_then(ViewPrepassTextures::depth_view) else {
+            return;
+        };
+        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+            label: Some("planar_mirror_prepass_depth_pass"),
+            color_attachments: &[],
+            depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
+                view: depth,
+                depth_ops: Some(load_or_clear(false, 0.0)),
+                stencil_ops: None,
+            }),
+            timestamp_writes: None,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        if let Some(viewport) = attachments.viewport {
+            pass.set_camera_viewport(viewport);
+        }
+        pass.set_bind_group(1, &attachments.prepared.depth_group, &[]);
+        for mirror in mirrors {
+            self.draw_surfaces(&mut pass, mirror, attachments.prepared, |surface| {
+                surface.prepass_depth
             });
             mirror.took(laps);
         }
@@ -395,7 +462,8 @@ impl PassResources<'_, '_> {
     ) {
         if let Some(cascades) = mirror.reflection.cascades {
             let read = &prepared.cascades[mirror.prepared.cascades.clone()];
-            self.shadows.draw_cascades(cascades, read, world, ctx);
+            let view = mirror.reflection.entity;
+            self.shadows.draw_cascades(view, cascades, read, world, ctx);
         }
     }
 }

@@ -6,11 +6,15 @@ use bevy::{
     asset::AssetId,
     camera::{ClearColor, ClearColorConfig, CompositingSpace},
     color::{LinearRgba, Oklaba, Srgba},
-    ecs::prelude::*,
+    core_pipeline::prepass::ViewPrepassTextures,
+    ecs::{prelude::*, system::SystemParam},
     image::ToExtents,
+    material::AlphaMode,
     mesh::Mesh,
+    pbr::{PreparedMaterial, RenderMaterialInstances},
     render::{
         camera::ExtractedCamera,
+        erased_render_asset::ErasedRenderAssets,
         mesh::RenderMesh,
         render_asset::RenderAssets,
         render_resource::{
@@ -18,15 +22,16 @@ use bevy::{
             PipelineCache, ShaderType, TextureDescriptor, TextureDimension, TextureUsages,
         },
         renderer::{RenderDevice, RenderQueue},
+        sync_world::MainEntity,
         texture::{CachedTexture, TextureCache},
         view::{ExtractedView, Msaa, ViewDepthTexture, ViewUniforms},
     },
 };
-use glam::{Mat4, Vec2};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 
 use super::{
     extract::{ExtractedCascade, ExtractedMirrorView, ExtractedMirrors},
-    mask::{MirrorPipelines, PassKey, SpecializedMasks, SurfaceDraw},
+    mask::{MirrorPipelines, PassKey, PrepassColors, SpecializedMasks, SurfaceDraw, SurfaceShape},
     variant::StencilVariants,
 };
 
@@ -34,6 +39,9 @@ use super::{
 #[derive(ShaderType)]
 pub struct MirrorUniform {
     world_from_local: Mat4,
+    previous_clip_from_local: Mat4,
+    fade: Vec4,
+    normal: Vec3,
     depth_noise: f32,
 }
 
@@ -44,6 +52,7 @@ pub struct MirrorUniforms(DynamicUniformBuffer<MirrorUniform>);
 /// On a camera in the render world: the mirrors that it shows in this frame.
 #[derive(Component)]
 pub struct ViewMirrors {
+    pub pass: PassKey,
     pub depth_stencil: CachedTexture,
     pub surface_group: BindGroup,
     pub depth_group: BindGroup,
@@ -79,11 +88,49 @@ pub struct PreparedSurface {
     pub mesh: AssetId<Mesh>,
     pub uniform_offset: u32,
     pub mask_pipeline: CachedRenderPipelineId,
+    /// For what a material with holes leaves out, of mirrors that are seen in mirrors.
+    pub holes_pipeline: Option<CachedRenderPipelineId>,
     /// Also of the last one, after which nobody asks: it must not wait for this pipeline, and be
     /// gone for a frame, when another mirror comes into view.
     pub restore_pipeline: CachedRenderPipelineId,
-    /// For the camera's own depth; only of mirrors that it sees itself.
+    /// For the camera's own depth; only of mirrors that it sees itself, and whose material has not
+    /// put it there.
     pub depth_pipeline: Option<CachedRenderPipelineId>,
+    /// The same for the depth that a prepass leaves.
+    pub prepass_depth_pipeline: Option<CachedRenderPipelineId>,
+}
+
+/// What mirrors are made of, whatever kind of `Material` it is.
+#[derive(SystemParam)]
+pub struct Materials<'w> {
+    instances: Option<Res<'w, RenderMaterialInstances>>,
+    materials: Option<Res<'w, ErasedRenderAssets<PreparedMaterial>>>,
+}
+
+impl Materials<'_> {
+    /// Whether the material of a mirror has holes, and covers what is around them.
+    fn is_cut_out(&self, mirror: Entity) -> bool {
+        let (Some(instances), Some(materials)) = (&self.instances, &self.materials) else {
+            return false;
+        };
+        let material = instances.instances.get(&MainEntity::from(mirror));
+        material
+            .and_then(|instance| materials.get(instance.asset_id))
+            .is_some_and(|material| {
+                matches!(
+                    material.properties.alpha_mode,
+                    AlphaMode::Mask(_) | AlphaMode::AlphaToCoverage
+                )
+            })
+    }
+}
+
+/// What the camera's prepass has written besides depth.
+fn prepass_colors(prepass: Option<&ViewPrepassTextures>) -> PrepassColors {
+    prepass.map_or(PrepassColors::default(), |prepass| PrepassColors {
+        normals: prepass.normal.is_some(),
+        motion_vectors: prepass.motion_vectors.is_some(),
+    })
 }
 
 /// Takes [`ViewMirrors`] off cameras that show none any more.
@@ -106,8 +153,15 @@ pub fn forget_mirrors(
 pub fn prepare_mirrors(
     mut commands: Commands,
     mirrors: Res<ExtractedMirrors>,
-    cameras: Query<(&ExtractedCamera, &ExtractedView, &Msaa, &ViewDepthTexture)>,
+    cameras: Query<(
+        &ExtractedCamera,
+        &ExtractedView,
+        &Msaa,
+        &ViewDepthTexture,
+        Option<&ViewPrepassTextures>,
+    )>,
     meshes: Res<RenderAssets<RenderMesh>>,
+    materials: Materials,
     (pipelines, variants, cache): (
         Res<MirrorPipelines>,
         Res<StencilVariants>,
@@ -122,11 +176,23 @@ pub fn prepare_mirrors(
 ) {
     uniforms.0.clear();
     let mut offsets = Vec::with_capacity(mirrors.surfaces.len());
+    // Of the views that lead to the one that is next, by bounce; the camera's comes first.
+    let mut noises = Vec::new();
     for mirror in &mirrors.views {
+        noises.truncate(usize::from(mirror.bounce) - 1);
+        let depth_noise = noises.last().copied().unwrap_or(0.0);
+        noises.push(if mirror.is_oblique {
+            mirror.depth_noise
+        } else {
+            0.0
+        });
         for surface in &mirrors.surfaces[mirror.surfaces.clone()] {
             offsets.push(uniforms.0.push(&MirrorUniform {
                 world_from_local: surface.world_from_local,
-                depth_noise: mirror.depth_noise,
+                previous_clip_from_local: surface.previous_clip_from_local,
+                fade: surface.fade.unwrap_or_default(),
+                normal: surface.normal,
+                depth_noise,
             }));
         }
     }
@@ -144,7 +210,7 @@ pub fn prepare_mirrors(
 
     for of_camera in mirrors.views.chunk_by(|a, b| a.camera == b.camera) {
         let entity = of_camera[0].camera;
-        let Ok((camera, view, msaa, depth)) = cameras.get(entity) else {
+        let Ok((camera, view, msaa, depth, prepass)) = cameras.get(entity) else {
             continue;
         };
         let Some(size) = camera.physical_target_size else {
@@ -172,17 +238,25 @@ pub fn prepare_mirrors(
         let mut prepare_surfaces = |mirror: &ExtractedMirrorView| {
             let first = surfaces.len();
             for index in mirror.surfaces.clone() {
-                let id = mirrors.surfaces[index].mesh;
+                let surface = &mirrors.surfaces[index];
+                let id = surface.mesh;
                 let Some(mesh) = meshes.get(id) else {
                     continue;
                 };
-                let mut pipeline = |draw| masks.surface(&cache, &pipelines, draw, pass, mesh);
+                let shape = SurfaceShape {
+                    is_cut_out: materials.is_cut_out(surface.mirror),
+                    fades: surface.fade.is_some(),
+                };
+                let mut pipeline =
+                    |draw| masks.surface(&cache, &pipelines, (draw, shape), pass, mesh);
                 let is_outer = mirror.bounce == 1;
                 let mask = if is_outer {
                     SurfaceDraw::Mask
                 } else {
                     SurfaceDraw::InnerMask
                 };
+                // A material with holes is opaque around them, and drawn by now.
+                let writes_depth = is_outer && !shape.is_cut_out;
                 // Of a mesh without positions there are none.
                 let (Some(mask_pipeline), Some(restore_pipeline)) =
                     (pipeline(mask), pipeline(SurfaceDraw::Restore))
@@ -193,8 +267,17 @@ pub fn prepare_mirrors(
                     mesh: id,
                     uniform_offset: offsets[index],
                     mask_pipeline,
+                    holes_pipeline: (!is_outer && shape.is_cut_out)
+                        .then(|| pipeline(SurfaceDraw::InnerHoles))
+                        .flatten(),
                     restore_pipeline,
-                    depth_pipeline: is_outer.then(|| pipeline(SurfaceDraw::Depth)).flatten(),
+                    depth_pipeline: writes_depth
+                        .then(|| pipeline(SurfaceDraw::Depth(prepass_colors(prepass))))
+                        .flatten(),
+                    prepass_depth_pipeline: (writes_depth
+                        && prepass.is_some_and(|prepass| prepass.depth.is_some()))
+                    .then(|| pipeline(SurfaceDraw::PrepassDepth))
+                    .flatten(),
                 });
             }
             first..surfaces.len()
@@ -217,6 +300,7 @@ pub fn prepare_mirrors(
             })
             .collect();
         commands.entity(entity).insert(ViewMirrors {
+            pass,
             depth_stencil,
             surface_group: surface_group.clone(),
             depth_group: device.create_bind_group(

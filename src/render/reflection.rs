@@ -17,7 +17,7 @@ use bevy::{
             BinnedPhaseItem, BinnedRenderPhase, DrawError, SortedPhaseItem, SortedRenderPhase,
             TrackedRenderPass, ViewBinnedRenderPhases, ViewSortedRenderPhases,
         },
-        render_resource::{BindGroup, PipelineCache, RenderPipeline},
+        render_resource::{BindGroup, CachedRenderPipelineId, PipelineCache, RenderPipeline},
         renderer::RenderContext,
         view::{ExtractedView, ViewTarget, ViewUniformOffset},
     },
@@ -70,6 +70,7 @@ impl Reflections<'_, '_> {
             cascades: cascades.filter(|cascades| !cascades.lights.is_empty()),
             opaque: self.opaque.get(key),
             alpha_mask: self.alpha_mask.get(key),
+            skybox_pipeline: pipeline.map(|pipeline| pipeline.0),
             skybox,
             transmissive: self.transmissive.get(key),
             transmission_steps: settings.map_or(0, |settings| settings.steps),
@@ -90,6 +91,7 @@ pub struct Reflection<'a> {
     pub cascades: Option<&'a ViewLightEntities>,
     opaque: Option<&'a BinnedRenderPhase<Opaque3d>>,
     alpha_mask: Option<&'a BinnedRenderPhase<AlphaMask3d>>,
+    skybox_pipeline: Option<CachedRenderPipelineId>,
     skybox: Option<Skybox<'a>>,
     transmissive: Option<&'a SortedRenderPhase<Transmissive3d>>,
     transmission_steps: usize,
@@ -119,6 +121,20 @@ impl<'a> Reflection<'a> {
             pass.set_bind_group(0, skybox.group, &skybox.offsets);
             pass.draw(0..3, 0..1);
         }
+    }
+
+    /// All pipelines that it takes to draw it.
+    pub fn pipelines(&self) -> impl Iterator<Item = CachedRenderPipelineId> {
+        let opaque = self.opaque.into_iter();
+        let alpha_mask = self.alpha_mask.into_iter();
+        let transmissive = self.transmissive.into_iter();
+        let transparent = self.transparent.into_iter();
+        opaque
+            .flat_map(|phase| batch_sets(phase).map(|set| set.pipeline))
+            .chain(alpha_mask.flat_map(|phase| batch_sets(phase).map(|set| set.pipeline)))
+            .chain(self.skybox_pipeline)
+            .chain(transmissive.flat_map(|it| it.items.values().map(|item| item.pipeline)))
+            .chain(transparent.flat_map(|it| it.items.values().map(|item| item.pipeline)))
     }
 
     /// How many draw calls that takes; many batches drawn by one call are one.
@@ -181,6 +197,18 @@ impl<'a> Reflection<'a> {
             report(phase.render(pass, world, self.entity));
         }
     }
+}
+
+/// The keys of all bins.
+fn batch_sets<I: BinnedPhaseItem>(
+    phase: &BinnedRenderPhase<I>,
+) -> impl Iterator<Item = &I::BatchSetKey> {
+    phase
+        .multidrawable_meshes
+        .keys()
+        .chain(phase.batchable_meshes.keys().map(|(set, _)| set))
+        .chain(phase.unbatchable_meshes.keys().map(|(set, _)| set))
+        .chain(phase.non_mesh_items.keys().map(|(set, _)| set))
 }
 
 /// As [`BinnedRenderPhase::render`] draws.

@@ -14,14 +14,16 @@ use core::sync::atomic::{AtomicBool, Ordering};
 
 use bevy::{
     asset::{AssetServer, Handle, load_embedded_asset},
+    camera::{Camera3d, visibility::RenderLayers},
     core_pipeline::core_3d::CORE_3D_DEPTH_FORMAT,
     ecs::{prelude::*, system::SystemParam},
     log::error,
     pbr::{
-        ExtractedDirectionalLight, LightEntity, MAX_CASCADES_PER_LIGHT, Shadow, ShadowView,
-        ViewLightEntities, ViewShadowBindings,
+        ExtractedDirectionalLight, LightEntity, MAX_CASCADES_PER_LIGHT, MAX_DIRECTIONAL_LIGHTS,
+        Shadow, ShadowView, ViewLightEntities, ViewShadowBindings,
     },
     render::{
+        camera::SortedCameras,
         occlusion_culling::{OcclusionCulling, OcclusionCullingSubview},
         render_phase::ViewBinnedRenderPhases,
         render_resource::{
@@ -60,12 +62,58 @@ pub struct ShadowPipelines {
 /// The layers of the reflected views' own array; empty in a frame without directional shadows.
 #[derive(Resource, Default)]
 pub struct MirrorShadowMaps {
+    /// Every directional light that may throw shadows, in the engine's order.
+    suns: Vec<Sun>,
     layers: Vec<TextureView>,
     /// Of a layer, in texels.
     size: u32,
     /// Layers to copy from the shared texture, and where to.
     copies: Vec<(BindGroup, TextureView)>,
     copied: AtomicBool,
+}
+
+/// A directional light, as the engine counts its layers.
+struct Sun {
+    light: Entity,
+    layers: RenderLayers,
+    cascades: usize,
+}
+
+impl Sun {
+    /// All of them, in the order in which `prepare_lights` numbers them.
+    fn all(suns: &Query<(Entity, &ExtractedDirectionalLight, &RenderLayers)>) -> Vec<Self> {
+        let mut sorted: Vec<_> = suns.iter().collect();
+        sorted.sort_by_key(|(entity, sun, _)| (sun.volumetric, sun.shadow_maps_enabled, *entity));
+        let sun = |(light, sun, layers): (Entity, &ExtractedDirectionalLight, &RenderLayers)| {
+            let bounds = sun.cascade_shadow_config.bounds.len();
+            Self {
+                light,
+                layers: layers.clone(),
+                // So many as it is set up to have, also where a reflected view has fewer.
+                cascades: if sun.shadow_maps_enabled {
+                    bounds.min(MAX_CASCADES_PER_LIGHT)
+                } else {
+                    0
+                },
+            }
+        };
+        sorted.into_iter().map(sun).collect()
+    }
+
+    /// Those that a view with these layers has.
+    fn of_view<'a>(suns: &'a [Self], view: &'a RenderLayers) -> impl Iterator<Item = &'a Self> {
+        suns.iter()
+            .filter(|sun| sun.layers.intersects(view))
+            .take(MAX_DIRECTIONAL_LIGHTS)
+    }
+
+    /// The layer of the first cascade of a light.
+    fn first_layer(suns: &[Self], view: &RenderLayers, light: Entity) -> usize {
+        Self::of_view(suns, view)
+            .take_while(|sun| sun.light != light)
+            .map(|sun| sun.cascades)
+            .sum()
+    }
 }
 
 pub fn init_shadow_pipelines(mut commands: Commands, assets: Res<AssetServer>) {
@@ -132,7 +180,11 @@ pub fn prepare_mirror_shadows(
     mut commands: Commands,
     mirrors: Res<ExtractedMirrors>,
     mut bindings: Query<(&ViewLightEntities, &mut ViewShadowBindings)>,
-    lights: Query<&LightEntity>,
+    suns: Query<(Entity, &ExtractedDirectionalLight, &RenderLayers)>,
+    (sorted_cameras, cameras): (
+        Res<SortedCameras>,
+        Query<Option<&RenderLayers>, (With<Camera3d>, With<ExtractedView>)>,
+    ),
     mut maps: ResMut<MirrorShadowMaps>,
     mut textures: ResMut<TextureCache>,
     mut pipelines: ResMut<ShadowPipelines>,
@@ -140,10 +192,18 @@ pub fn prepare_mirror_shadows(
     device: Res<RenderDevice>,
 ) {
     *maps = default();
-    // The shared texture holds the cascades of the camera that has most of them, then the spots.
-    let cascades = bindings
+    maps.suns = Sun::all(&suns);
+    // The shared texture holds the cascades of the camera that has most of them in this frame, then
+    // the spots.
+    let default_layers = RenderLayers::default();
+    let cascades = sorted_cameras
+        .0
         .iter()
-        .map(|(lights, _)| lights.lights.len())
+        .filter_map(|camera| cameras.get(camera.entity).ok())
+        .map(|layers| {
+            let suns = Sun::of_view(&maps.suns, layers.unwrap_or(&default_layers));
+            suns.map(|sun| sun.cascades).sum()
+        })
         .max()
         .unwrap_or(0);
     let mut own: Option<(Texture, TextureView)> = None;
@@ -177,16 +237,12 @@ pub fn prepare_mirror_shadows(
                     },
                 )
                 .texture;
-            let spots = lights
-                .iter()
-                .filter(|light| matches!(light, LightEntity::Spot { .. }))
-                .count();
             let layer_count = shared.depth_or_array_layers() as usize;
             maps.size = shared.width();
             maps.layers = (0..cascades.min(layer_count))
                 .map(|index| layer(&texture, index))
                 .collect();
-            maps.copies = (cascades..(cascades + spots).min(layer_count))
+            maps.copies = (cascades..layer_count)
                 .map(|index| {
                     let group = device.create_bind_group(
                         "planar_mirror_shadow_copy_group",
@@ -232,7 +288,7 @@ pub struct MirrorShadowPasses<'w, 's> {
     cache: Res<'w, PipelineCache>,
     phases: Res<'w, ViewBinnedRenderPhases<Shadow>>,
     views: Query<'w, 's, (&'static ExtractedView, &'static LightEntity)>,
-    suns: Query<'w, 's, &'static ExtractedDirectionalLight>,
+    layers: Query<'w, 's, &'static RenderLayers>,
 }
 
 impl MirrorShadowPasses<'_, '_> {
@@ -258,13 +314,15 @@ impl MirrorShadowPasses<'_, '_> {
     /// Draws the cascades of one reflected view, those of which it reads something.
     pub fn draw_cascades(
         &self,
+        view: Entity,
         cascades: &ViewLightEntities,
         read: &[ExtractedCascade],
         world: &World,
         ctx: &mut RenderContext,
     ) {
         let clear = self.pipeline(self.pipelines.clear);
-        let mut first_layers = FirstLayers::default();
+        let default_layers = RenderLayers::default();
+        let layers = self.layers.get(view).unwrap_or(&default_layers);
         for &light_view in &cascades.lights {
             let Ok((view, light)) = self.views.get(light_view) else {
                 continue;
@@ -276,7 +334,7 @@ impl MirrorShadowPasses<'_, '_> {
             else {
                 continue;
             };
-            let first_layer = first_layers.of(light_entity, &self.suns);
+            let first_layer = Sun::first_layer(&self.maps.suns, layers, light_entity);
             let (Some(target), Some(read), Some(phase)) = (
                 self.maps.layers.get(first_layer + cascade_index),
                 read.iter()
@@ -317,30 +375,6 @@ impl MirrorShadowPasses<'_, '_> {
 
     fn pipeline(&self, id: Option<CachedRenderPipelineId>) -> Option<&RenderPipeline> {
         self.cache.get_render_pipeline(id?)
-    }
-}
-
-/// Where the layers of each light begin. The engine counts all cascades that a light is set up to
-/// have, also where a reflected view has fewer.
-#[derive(Default)]
-struct FirstLayers {
-    light: Option<Entity>,
-    first: usize,
-    next: usize,
-}
-
-impl FirstLayers {
-    /// Of the same light as before, or of the next one.
-    fn of(&mut self, light: Entity, suns: &Query<&ExtractedDirectionalLight>) -> usize {
-        if self.light != Some(light) {
-            self.light = Some(light);
-            self.first = self.next;
-            self.next += suns.get(light).map_or(0, |sun| {
-                let cascades = sun.cascade_shadow_config.bounds.len();
-                cascades.min(MAX_CASCADES_PER_LIGHT)
-            });
-        }
-        self.first
     }
 }
 

@@ -14,7 +14,7 @@ use bevy::{
     },
     ecs::{prelude::*, system::SystemParam},
     log::warn,
-    pbr::{SpecializedMaterialPipelineCache, Transmissive3d},
+    pbr::{SpecializedMaterialPipelineCache, Transmissive3d, ViewKeyCache},
     platform::collections::{HashMap, HashSet},
     render::{
         render_phase::{
@@ -45,6 +45,8 @@ pub struct StencilVariants {
     foreign: HashSet<CachedRenderPipelineId>,
     /// What was left out, so that each is named once.
     left_out: HashSet<CachedRenderPipelineId>,
+    /// How many pipelines there were when variants were asked for ahead.
+    known_pipelines: usize,
 }
 
 impl FromWorld for StencilVariants {
@@ -60,6 +62,7 @@ impl FromWorld for StencilVariants {
             bases: HashMap::default(),
             foreign: HashSet::default(),
             left_out: HashSet::default(),
+            known_pipelines: 0,
         }
     }
 }
@@ -82,6 +85,25 @@ impl StencilVariants {
         pass: PassFormat,
         cache: &mut PipelineCache,
     ) -> Option<CachedRenderPipelineId> {
+        let variant = self.find_or_queue(base, pass, cache);
+        if variant.is_none() && self.left_out.insert(base) {
+            let descriptor = cache.get_render_pipeline_descriptor(base);
+            warn!(
+                "{:?} is left out of mirrors: its pipeline has no depth test, or other color \
+                 targets or samples than its camera.",
+                descriptor.label.as_deref().unwrap_or("an unnamed item")
+            );
+        }
+        variant
+    }
+
+    /// [`Self::variant`] without a word in the log.
+    fn find_or_queue(
+        &mut self,
+        base: CachedRenderPipelineId,
+        pass: PassFormat,
+        cache: &mut PipelineCache,
+    ) -> Option<CachedRenderPipelineId> {
         if self.bases.contains_key(&base) {
             return Some(base);
         }
@@ -95,16 +117,7 @@ impl StencilVariants {
             cache.process_queue();
         }
         let descriptor = cache.get_render_pipeline_descriptor(base);
-        let Some(variant) = stencil_variant(descriptor, pass, self.format) else {
-            if self.left_out.insert(base) {
-                warn!(
-                    "{:?} is left out of mirrors: its pipeline has no depth test, or other \
-                     color targets or samples than its camera.",
-                    descriptor.label.as_deref().unwrap_or("an unnamed item")
-                );
-            }
-            return None;
-        };
+        let variant = stencil_variant(descriptor, pass, self.format)?;
         let variant = cache.queue_render_pipeline(variant);
         self.variants
             .insert((base, pass.is_flipped), (variant, pass));
@@ -179,14 +192,18 @@ fn pass_format(mirror: &ExtractedMirrorView, view: &ExtractedView, msaa: &Msaa) 
     PassFormat {
         color: view.target_format,
         samples: msaa.samples(),
-        is_flipped: mirror.bounce % 2 == 1,
+        is_flipped: mirror.is_flipped(),
     }
 }
 
 /// Replaces the pipelines of all materials in reflected views, before they are queued.
+///
+/// And asks for variants of those that the camera itself uses, so that what it sees already is
+/// ready when it comes into view of a mirror.
 pub fn vary_material_pipelines(
     mirrors: Res<ExtractedMirrors>,
     views: MirrorViews,
+    keys: Res<ViewKeyCache>,
     mut specialized: ResMut<SpecializedMaterialPipelineCache>,
     mut variants: ResMut<StencilVariants>,
     mut cache: ResMut<PipelineCache>,
@@ -209,6 +226,31 @@ pub fn vary_material_pipelines(
             },
         );
     }
+    // New pipelines are rare, and the camera's are many.
+    if variants.known_pipelines == cache.pipelines().count() {
+        return;
+    }
+    for mirror in &mirrors.views {
+        let (Ok((view, msaa)), Ok((camera, _))) =
+            (views.get(mirror.view), views.get(mirror.camera))
+        else {
+            continue;
+        };
+        let (view_key, camera_key) = (&view.retained_view_entity, &camera.retained_view_entity);
+        // A camera that has more than the view, as a prepass, has other pipelines.
+        if keys.get(view_key) != keys.get(camera_key) {
+            continue;
+        }
+        let Some(pipelines) = specialized.get(camera_key) else {
+            continue;
+        };
+        let format = pass_format(mirror, view, msaa);
+        for &pipeline in pipelines.values() {
+            variants.find_or_queue(pipeline, format, &mut cache);
+        }
+    }
+    cache.process_queue();
+    variants.known_pipelines = cache.pipelines().count();
 }
 
 /// The phases of all reflected views.
@@ -224,13 +266,13 @@ pub struct Phases<'w> {
 ///
 /// Runs once before the items are batched and once before they are drawn, for what comes late.
 pub fn vary_queued_items(
-    mirrors: Res<ExtractedMirrors>,
+    mut mirrors: ResMut<ExtractedMirrors>,
     mut views: Query<(&mut ExtractedView, &Msaa)>,
     mut phases: Phases,
     mut variants: ResMut<StencilVariants>,
     mut cache: ResMut<PipelineCache>,
 ) {
-    for mirror in &mirrors.views {
+    for mirror in &mut mirrors.views {
         let Ok((mut view, msaa)) = views.get_mut(mirror.view) else {
             continue;
         };
@@ -258,8 +300,10 @@ pub fn vary_queued_items(
         if let Some(phase) = phases.transparent.get_mut(key) {
             phase.items.retain(|_, item| vary(&mut item.pipeline));
         }
+        mirror.has_foreign_items |= met;
         if met && let Some(oblique) = mirror.clip_unbounded {
-            view.clip_from_view = oblique;
+            view.clip_from_view = mirror.handed(oblique);
+            mirror.is_oblique = true;
         }
     }
 }

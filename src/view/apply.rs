@@ -16,18 +16,13 @@ use glam::DAffine3;
 use super::{PlannedView, ReflectedView, ReflectedViews, copy::copy_camera_components};
 use crate::math::{Plane, narrowed_sides, reflect_vector};
 
-/// So many views Bevy tells what is in its `VisibilityRange`, and it does not ask us which.
-const RANGED_VIEWS: usize = 32;
-
-/// Spawns, updates and despawns reflected views, and lets Bevy see them until
-/// [`disable_reflected_views`].
+/// Spawns, updates and despawns reflected views.
 ///
 /// Runs after the user's frusta are up to date and before visibility, so that the transforms and
 /// projections of this very frame are used.
 pub fn apply_reflected_views(world: &mut World) {
     world.resource_scope(|world, mut views: Mut<ReflectedViews>| {
         let views = &mut *views;
-        let mut ranged = views.users_views;
         for live in views.alive.values_mut() {
             live.is_wanted = false;
         }
@@ -39,13 +34,10 @@ pub fn apply_reflected_views(world: &mut World) {
             let Some((viewer, view)) = made else {
                 continue;
             };
-            update_view(world, viewer, view, &views.planned[index], index);
-            ranged += 1;
-            if ranged <= RANGED_VIEWS {
-                world.entity_mut(view).remove::<Disabled>();
-            }
+            views.clean.clean(world, view);
+            views.planned[index].loose_frustum =
+                update_view(world, viewer, view, &views.planned, index);
         }
-        views.some_wait = ranged > RANGED_VIEWS;
         views.alive.retain(|&view, live| {
             if !live.is_wanted
                 && let Ok(mut view) = world.get_entity_mut(view)
@@ -103,8 +95,7 @@ pub fn disable_reflected_views(world: &mut World) {
     });
 }
 
-/// Lets extraction see the reflected views; [`disable_reflected_views`] ends that. And lets Bevy
-/// see those that had to wait for the views of the user's.
+/// Lets the engine see the reflected views; [`disable_reflected_views`] ends that.
 pub fn enable_reflected_views(world: &mut World) {
     for_each_view(world, |view| {
         view.remove::<Disabled>();
@@ -113,14 +104,15 @@ pub fn enable_reflected_views(world: &mut World) {
 
 fn for_each_view(world: &mut World, change: impl Fn(&mut EntityWorldMut)) {
     // Out of the world for the time being, which observers may change.
-    let alive = core::mem::take(&mut world.resource_mut::<ReflectedViews>().alive);
-    for &view in alive.keys() {
+    let mut views = core::mem::take(&mut *world.resource_mut::<ReflectedViews>());
+    for &view in views.alive.keys() {
         // Somebody may have cleared the world.
-        if let Ok(mut view) = world.get_entity_mut(view) {
-            change(&mut view);
+        if let Ok(mut entity) = world.get_entity_mut(view) {
+            change(&mut entity);
+            views.clean.clean(world, view);
         }
     }
-    world.resource_mut::<ReflectedViews>().alive = alive;
+    *world.resource_mut::<ReflectedViews>() = views;
 }
 
 fn spawn_view(world: &mut World, camera: Entity, viewer: Entity, mirror: Entity) -> Entity {
@@ -140,6 +132,8 @@ fn spawn_view(world: &mut World, camera: Entity, viewer: Entity, mirror: Entity)
         // Drawn as its camera is; the engine allows of no change later.
         if is_direct {
             view.insert(NoIndirectDrawing);
+        } else {
+            view.remove::<NoIndirectDrawing>();
         }
     }
     view
@@ -149,19 +143,24 @@ fn update_view(
     world: &mut World,
     viewer: Entity,
     view: Entity,
-    planned: &PlannedView,
+    all_planned: &[PlannedView],
     index: usize,
-) {
+) -> Option<Frustum> {
+    let planned = &all_planned[index];
     let main = world.entity(planned.camera);
     let (Some(main_camera), Some(main_3d), Some(frustum)) = (
         main.get::<Camera>(),
         main.get::<Camera3d>(),
         world.entity(viewer).get::<Frustum>(),
     ) else {
-        return;
+        return None;
     };
     let main_camera = main_camera.clone();
     let main_3d = main_3d.clone();
+    let loose_viewer = match planned.viewer {
+        None => Some(*frustum),
+        Some(outer) => all_planned[outer].loose_frustum,
+    };
     let frustum = narrowed_frustum(planned, &main_camera, frustum);
     let size = main_camera.physical_target_size().unwrap_or_default();
     let camera = Camera {
@@ -176,6 +175,7 @@ fn update_view(
     set(&mut view, RenderTarget::None { size });
     set(&mut view, GlobalTransform::from(single(&world_from_view)));
     set(&mut view, frustum);
+    loose_viewer.map(|viewer| loose_frustum(planned, &viewer))
 }
 
 /// Writes a component in place: an insertion would wake observers in every frame, and bring back
@@ -218,6 +218,17 @@ fn narrowed_frustum(planned: &PlannedView, camera: &Camera, viewer: &Frustum) ->
     half_spaces[ViewFrustum::NEAR_PLANE_IDX] = HalfSpace::new(planned.plane.covector().as_vec4());
     let far = &mut half_spaces[ViewFrustum::FAR_PLANE_IDX];
     *far = reflected_half_space(&planned.plane, far);
+    Frustum(ViewFrustum { half_spaces })
+}
+
+/// The frustum of what sees the mirror, reflected, without a near plane. For what may leave its
+/// bounds: the engine culls it by these sides in the camera's own picture too.
+fn loose_frustum(planned: &PlannedView, viewer: &Frustum) -> Frustum {
+    let mut half_spaces = viewer
+        .half_spaces
+        .map(|half_space| reflected_half_space(&planned.plane, &half_space));
+    let near = &mut half_spaces[ViewFrustum::NEAR_PLANE_IDX];
+    *near = HalfSpace::new(near.normal().extend(f32::INFINITY));
     Frustum(ViewFrustum { half_spaces })
 }
 

@@ -1,155 +1,129 @@
-//! After visibility: what lies behind the mirror is dropped, and the projection chosen.
+//! On which side of the mirror what a reflected view shows lies, and by which projection it is
+//! drawn therefore.
 
-use core::any::TypeId;
-
-use bevy::{
-    camera::{
-        Camera,
-        visibility::{NoCpuCulling, VisibleEntities},
-    },
-    ecs::prelude::*,
-    light::cluster::ClusterVisibilityClass,
-    pbr::decal::ForwardDecal,
-};
+use bevy::camera::Camera;
 use glam::{DMat4, DVec4};
 
-use super::{
-    DepthRange, PlannedView, ReflectedView, ReflectedViews,
-    bounds::{Bounds, WorldBox},
-};
+use super::{DepthRange, LiveView, PlannedView, bounds::WorldBox};
 use crate::{
-    math::{Side, classify, edge_sides, signed_distance_range},
+    math::{Plane, ReflectedViewPlan, Side, classify, edge_sides, signed_distance_range},
     mirror::MirrorClip,
     status::Projection,
 };
 
-/// Takes out of each reflected view the mirror itself and whatever shows no part in front of the
-/// plane, and cuts at the plane only if something crosses it.
-pub fn clip_reflected_views(
-    mut views: ResMut<ReflectedViews>,
-    mut reflected: Query<(&mut VisibleEntities, &Camera), With<ReflectedView>>,
-    objects: Query<Bounds>,
-    // What the GPU alone culls is in no list here, and may be anywhere.
-    uncounted: Query<(), With<NoCpuCulling>>,
-    // They are laid on what a depth prepass has drawn, and a reflected view has none.
-    decals: Query<(), With<ForwardDecal>>,
-    mut sides: Local<Vec<DVec4>>,
-) {
-    let ReflectedViews {
-        planned,
-        surfaces,
-        alive,
-        ..
-    } = &mut *views;
-    for planned in planned {
-        let Some(view) = planned.entity else {
-            continue;
-        };
-        let (Some(live), Ok((mut visible, camera))) =
-            (alive.get_mut(&view), reflected.get_mut(view))
-        else {
-            continue;
-        };
-        let mirrors = &surfaces[planned.mirrors.clone()];
-        let clip_from_view = camera.clip_from_view();
-        let clip_matrix = clip_from_view.as_dmat4();
+/// What is cut off of all that a view would see.
+pub struct Cut<'a> {
+    plane: Plane,
+    plan: ReflectedViewPlan,
+    /// Whether something crossed the plane in the last frame.
+    was_cut: bool,
+    /// Covectors that give the depth of a point in the world: clip `w`, and `-z` in view space.
+    clip_w: DVec4,
+    view_depth: DVec4,
+    /// Half-spaces of the world through the edges of what is seen of the mirror.
+    sides: &'a [DVec4],
+}
+
+impl<'a> Cut<'a> {
+    /// For a view of so many mirrors. The memory of `sides` is used again.
+    pub fn new(
+        planned: &PlannedView,
+        mirrors: usize,
+        camera: &Camera,
+        was_cut: bool,
+        sides: &'a mut Vec<DVec4>,
+    ) -> Self {
+        let clip_from_view = camera.clip_from_view().as_dmat4();
         let view_from_world = DMat4::from(planned.plan.world_from_view.inverse());
-        let rows = DepthRows {
-            clip_w: (clip_matrix * view_from_world).row(3),
-            view_depth: -view_from_world.row(2),
-        };
         sides.clear();
-        // Several mirrors have no common polygon but their bounds, which have culled already.
-        if mirrors.len() == 1 {
+        // Several mirrors have no common polygon but their bounds, which the frustum has.
+        if mirrors == 1 {
             let viewport = camera.physical_viewport_size().unwrap_or_default();
-            let edges = edge_sides(&planned.plan.polygon, &clip_matrix, viewport.as_dvec2());
+            let edges = edge_sides(&planned.plan.polygon, &clip_from_view, viewport.as_dvec2());
             // Planes are covectors: from view to world space by the matrix from world to view.
             sides.extend(edges.map(|side| view_from_world.transpose() * side));
         }
-        let mut seen = Seen {
-            was_cut: live.was_cut,
-            crossed: !uncounted.is_empty(),
-            depths: if uncounted.is_empty() {
-                DepthRange::NOTHING
-            } else {
-                DepthRange::EVERYTHING
-            },
-        };
-        let mut objects_in_view = 0;
-        for (class, visible) in &mut visible.entities {
-            // Lights and decals reach farther than their bounds.
-            if *class == TypeId::of::<ClusterVisibilityClass>() {
-                continue;
-            }
-            visible.retain(|&entity| match objects.get(entity) {
-                _ if mirrors.binary_search(&entity).is_ok() || decals.contains(entity) => false,
-                Ok(bounds) => seen.shows(WorldBox::of(bounds), planned, &rows, &sides),
-                Err(_) => true,
-            });
-            objects_in_view += visible.len();
+        Self {
+            plane: planned.plane,
+            plan: planned.plan,
+            was_cut,
+            clip_w: (clip_from_view * view_from_world).row(3),
+            view_depth: -view_from_world.row(2),
+            sides,
         }
-        planned.projection = match planned.clip {
-            MirrorClip::Auto if !seen.crossed => Projection::Plain,
-            MirrorClip::Auto | MirrorClip::Oblique => Projection::Oblique,
-            MirrorClip::Whole => Projection::Plain,
-        };
-        planned.clip_from_view = match planned.projection {
-            Projection::Plain => clip_from_view,
-            Projection::Oblique => planned.plan.clip_from_view_oblique.as_mat4(),
-        };
-        live.was_cut = seen.crossed;
-        planned.depths = seen.depths;
-        planned.objects = objects_in_view;
     }
-}
 
-/// Covectors that give the depth of a point in the world, in two measures.
-struct DepthRows {
-    /// Clip `w`.
-    clip_w: DVec4,
-    /// `-z` in view space.
-    view_depth: DVec4,
-}
-
-/// What is known of all that a reflected view shows.
-struct Seen {
-    /// In the last frame, when something crossed the plane.
-    was_cut: bool,
-    crossed: bool,
-    depths: DepthRange,
-}
-
-impl Seen {
     /// Whether an object shows in the mirror, and what follows for the view.
     ///
-    /// An object without bounds may be anywhere.
-    fn shows(
-        &mut self,
-        bounds: Option<WorldBox>,
-        planned: &PlannedView,
-        rows: &DepthRows,
-        sides: &[DVec4],
-    ) -> bool {
+    /// An object without bounds may be anywhere: it counts as crossing.
+    pub fn shows(&self, bounds: Option<WorldBox>, seen: &mut Seen) -> bool {
         let Some(bounds) = bounds else {
-            self.crossed = true;
-            self.depths = DepthRange::EVERYTHING;
+            seen.any_unbounded = true;
+            seen.crossed = true;
+            seen.depths = DepthRange::EVERYTHING;
             return true;
         };
-        if sides.iter().any(|side| bounds.range(*side).1 < 0.0) {
+        if self.sides.iter().any(|side| bounds.range(*side).1 < 0.0) {
             return false;
         }
         // The tolerance grows with depth, so the nearest point of the box is the strictest.
-        let (nearest, _) = bounds.range(rows.clip_w);
+        let (nearest, _) = bounds.range(self.clip_w);
         let side = classify(
-            signed_distance_range(&planned.plane, bounds.center, bounds.half_axes),
-            planned.plan.ghost_tolerance(nearest, self.was_cut),
+            signed_distance_range(&self.plane, bounds.center, bounds.half_axes),
+            self.plan.ghost_tolerance(nearest, self.was_cut),
         );
         if side == Side::Behind {
             return false;
         }
-        self.crossed |= side == Side::Straddling;
-        let (near, far) = bounds.range(rows.view_depth);
-        self.depths.include(near as f32, far as f32);
+        seen.crossed |= side == Side::Straddling;
+        let (near, far) = bounds.range(self.view_depth);
+        seen.depths.include(near as f32, far as f32);
         true
+    }
+}
+
+/// What is known of all that a reflected view shows.
+pub struct Seen {
+    pub crossed: bool,
+    pub any_unbounded: bool,
+    pub depths: DepthRange,
+}
+
+impl Default for Seen {
+    fn default() -> Self {
+        Self {
+            crossed: false,
+            any_unbounded: false,
+            depths: DepthRange::NOTHING,
+        }
+    }
+}
+
+impl Seen {
+    /// Takes in what another thread has seen.
+    pub fn add(&mut self, other: &Self) {
+        self.crossed |= other.crossed;
+        self.any_unbounded |= other.any_unbounded;
+        self.depths.include(other.depths.near, other.depths.far);
+    }
+
+    /// The view is cut at the plane only if something crosses it, or might.
+    pub fn choose_projection(
+        &self,
+        planned: &mut PlannedView,
+        live: &mut LiveView,
+        camera: &Camera,
+    ) {
+        planned.projection = match planned.clip {
+            MirrorClip::Auto if !self.crossed && !live.has_foreign_items => Projection::Plain,
+            MirrorClip::Auto | MirrorClip::Oblique => Projection::Oblique,
+            MirrorClip::Whole => Projection::Plain,
+        };
+        planned.clip_from_view = match planned.projection {
+            Projection::Plain => camera.clip_from_view(),
+            Projection::Oblique => planned.plan.clip_from_view_oblique.as_mat4(),
+        };
+        live.was_cut = self.crossed;
+        planned.depths = self.depths;
     }
 }

@@ -4,6 +4,10 @@
 //! to find out. Else the view has no more clusters than the seen part of the mirror is worth, and
 //! none with a corner on the mirror's horizon. None of that changes a pixel: it decides how many
 //! lamps are looked at in vain, and what it takes to know them.
+//!
+//! Where the GPU sorts lamps into clusters, the grid is laid out here, as the engine's
+//! `assign_objects_to_clusters` would, which does not see the views. Where the CPU does, that
+//! system sees them while it runs.
 
 use bevy::{
     camera::{
@@ -14,11 +18,13 @@ use bevy::{
     ecs::{entity_disabling::Disabled, prelude::*},
     light::{
         ClusteredDecal, LightProbe, PointLight, SpotLight,
-        cluster::{ClusterConfig, Clusters, GlobalClusterSettings},
+        cluster::{
+            ClusterConfig, ClusterFarZMode, ClusterableObjects, Clusters, GlobalClusterSettings,
+        },
     },
     transform::components::GlobalTransform,
 };
-use glam::{DVec2, UVec2, Vec3A};
+use glam::{DVec2, UVec2, UVec3, Vec3A};
 
 use super::{ReflectedView, ReflectedViews};
 
@@ -41,6 +47,9 @@ const LOOKS: f64 = (1 << 22) as f64;
 /// is done twice. So clusters add at most an eighth to the light of the pixels that are seen; the
 /// default of 4096 is all of it from 65,536 pixels on.
 const PIXELS_OF_CLUSTER: f64 = 16.0;
+
+/// How far clusters reach before the engine has told how far the lamps do.
+const FIRST_FAR: f32 = 1000.0;
 
 /// A point or spot light that may reach what is seen in a mirror.
 #[derive(Clone, Copy)]
@@ -66,7 +75,12 @@ pub fn cluster_reflected_views(
     mut views: ResMut<ReflectedViews>,
     cameras: Query<(&Camera, Option<&ClusterConfig>), Without<ReflectedView>>,
     mut reflected: Query<
-        (&Frustum, &mut ClusterConfig, &mut Clusters),
+        (
+            &Frustum,
+            &GlobalTransform,
+            &mut ClusterConfig,
+            &mut Clusters,
+        ),
         (With<ReflectedView>, Allow<Disabled>),
     >,
     points: Lamps<PointLight>,
@@ -78,20 +92,31 @@ pub fn cluster_reflected_views(
     lamps.clear();
     // Sorting on the CPU looks at the clusters alone. And of what is no lamp only the engine knows
     // the number.
-    let can_list =
-        settings.is_some_and(|settings| settings.gpu_clustering.is_some()) && others.is_empty();
+    let settings = settings.filter(|settings| settings.gpu_clustering.is_some());
+    let can_list = settings.is_some() && others.is_empty();
     for planned in planned {
         planned.lamps = None;
-        let (Ok((camera, config)), Some(Ok((frustum, mut own, mut clusters)))) = (
+        let (Ok((camera, config)), Some(Ok((frustum, transform, mut own, mut clusters)))) = (
             cameras.get(planned.camera),
             planned.entity.map(|view| reflected.get_mut(view)),
         ) else {
             continue;
         };
         let config = config.copied().unwrap_or_default();
+        // How far the lamps of the last frame reached. The engine writes 0 before the answer is
+        // there, and would then cut off what is farther, in the second frame of each view.
+        if clusters.last_frame_farthest_z == Some(0.0) {
+            clusters.last_frame_farthest_z = None;
+        }
+        let mut set = |chosen: ClusterConfig| {
+            *own = chosen;
+            if let Some(settings) = &settings {
+                lay_out(&mut clusters, &chosen, (camera, transform), settings);
+            }
+        };
         // Then the camera sees no lamps, and neither do its mirrors.
         if matches!(config, ClusterConfig::None) {
-            *own = config;
+            set(config);
             continue;
         }
         if can_list {
@@ -102,18 +127,69 @@ pub fn cluster_reflected_views(
             lamps.extend(points.chain(spots).take(most + 1));
             if lamps.len() - first <= most {
                 planned.lamps = Some(first..lamps.len());
-                *own = ClusterConfig::Single;
+                set(ClusterConfig::Single);
                 continue;
             }
             lamps.truncate(first);
         }
-        // How far the lamps of the last frame reached. The engine writes 0 before the answer is
-        // there, and would then cut off what is farther, in the second frame of each view.
-        if clusters.last_frame_farthest_z == Some(0.0) {
-            clusters.last_frame_farthest_z = None;
-        }
-        *own = fitted(config, camera, planned.pixels);
+        set(fitted(config, camera, planned.pixels));
     }
+}
+
+/// The engine's grid of clusters for a view, to be filled by the GPU.
+fn lay_out(
+    clusters: &mut Clusters,
+    config: &ClusterConfig,
+    (camera, transform): (&Camera, &GlobalTransform),
+    settings: &GlobalClusterSettings,
+) {
+    clusters.clusterable_objects = ClusterableObjects::Gpu;
+    let size = camera.physical_viewport_size().unwrap_or_default();
+    let (mut dimensions, z_config, is_resized) = match *config {
+        ClusterConfig::Single => (UVec3::ONE, None, false),
+        ClusterConfig::XYZ {
+            dimensions,
+            z_config,
+            dynamic_resizing,
+        } => (dimensions, Some(z_config), dynamic_resizing),
+        ClusterConfig::None | ClusterConfig::FixedZ { .. } => (UVec3::ZERO, None, false),
+    };
+    if size.min_element() == 0 || dimensions.min_element() == 0 {
+        clusters.tile_size = UVec2::ONE;
+        clusters.dimensions = UVec3::ZERO;
+        (clusters.near, clusters.far) = (0.0, 0.0);
+        return;
+    }
+    let far = match z_config.map(|config| config.far_z_mode) {
+        Some(ClusterFarZMode::Constant(far)) => far,
+        _ => clusters.last_frame_farthest_z.unwrap_or(FIRST_FAR),
+    };
+    let projection = camera.clip_from_view();
+    let first_slice = z_config.map_or(0.0, |config| config.first_slice_depth);
+    let near = match (projection.w_axis.w == 1.0, dimensions.z) {
+        (true, _) => (projection.w_axis.z - 1.0) / projection.z_axis.z,
+        (false, 1) => first_slice.max(far),
+        (false, _) => first_slice,
+    };
+    let near = near * transform.compute_transform().scale.z.recip();
+    if is_resized
+        && let Some(count) = clusters.last_frame_total_cluster_index_count
+        && count > settings.view_cluster_bindings_max_indices
+    {
+        let ratio = settings.view_cluster_bindings_max_indices as f32 / count as f32;
+        let fewer = (dimensions.truncate().as_vec2() * ratio.sqrt()).as_uvec2();
+        dimensions = fewer.max(UVec2::ONE).extend(dimensions.z);
+    }
+    let size = size.as_vec2();
+    let tile_size = (size / dimensions.truncate().as_vec2()).ceil();
+    clusters.tile_size = tile_size.as_uvec2().max(UVec2::ONE);
+    clusters.dimensions = (size / clusters.tile_size.as_vec2())
+        .ceil()
+        .as_uvec2()
+        .extend(dimensions.z)
+        .max(UVec3::ONE);
+    clusters.near = near;
+    clusters.far = far.max(near);
 }
 
 /// The lamps that may reach something in the frustum: no part of a spot's light is farther than its

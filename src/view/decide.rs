@@ -1,10 +1,10 @@
 //! Which camera sees which mirror, and otherwise why not.
 
 use bevy::{
-    camera::{Camera, Camera3d, ShadowLodOrigin, visibility::RenderLayers},
-    core_pipeline::prepass::DeferredPrepass,
-    ecs::prelude::*,
-    render::camera::TemporalJitter,
+    camera::{Camera, Camera3d, RenderTarget, visibility::RenderLayers},
+    core_pipeline::{prepass::DeferredPrepass, schedule::Core3d},
+    ecs::{prelude::*, query::QueryData, schedule::ScheduleLabel},
+    render::camera::{CameraRenderGraph, TemporalJitter},
     transform::components::GlobalTransform,
 };
 use glam::{DAffine3, DMat4, DVec2};
@@ -35,22 +35,24 @@ pub struct CameraView {
     pub viewport_size: DVec2,
 }
 
+/// A user's camera, as the engine knows it.
+#[derive(QueryData)]
+pub struct UserCamera {
+    entity: Entity,
+    camera: &'static Camera,
+    transform: &'static GlobalTransform,
+    target: Option<&'static RenderTarget>,
+    graph: Option<&'static CameraRenderGraph>,
+    layers: Option<&'static RenderLayers>,
+    is_deferred: Has<DeferredPrepass>,
+    is_jittered: Has<TemporalJitter>,
+}
+
 /// Pairs every mirror with every camera that may see it, and what sees mirrors in mirrors.
 pub fn decide_reflected_views(
-    cameras: Query<
-        (
-            Entity,
-            &Camera,
-            &GlobalTransform,
-            Option<&RenderLayers>,
-            Has<DeferredPrepass>,
-            Has<TemporalJitter>,
-        ),
-        (With<Camera3d>, Without<NoMirrors>, Without<ReflectedView>),
-    >,
+    cameras: Query<UserCamera, (With<Camera3d>, Without<NoMirrors>, Without<ReflectedView>)>,
     mirrors: Query<MirrorInput>,
     walls: Walls,
-    ranged: Query<(), Or<(With<Camera>, With<ShadowLodOrigin>)>>,
     limits: Res<MirrorLimits>,
     mut camera_inputs: Local<Vec<CameraInput>>,
     mut sight: Local<Sight>,
@@ -64,20 +66,17 @@ pub fn decide_reflected_views(
     if mirrors.is_empty() {
         return;
     }
-    views.users_views = ranged.iter().count();
     camera_inputs.extend(
         cameras
             .iter()
-            .filter(|(_, camera, ..)| camera.is_active)
-            .map(
-                |(entity, camera, transform, layers, deferred, jittered)| CameraInput {
-                    entity,
-                    layers: layers.cloned().unwrap_or_default(),
-                    view: camera_view(camera, transform, deferred),
-                    inverts_culling: camera.invert_culling,
-                    jitter_px: if jittered { 0.5 } else { 0.0 },
-                },
-            ),
+            .filter(|it| it.camera.is_active)
+            .map(|it| CameraInput {
+                entity: it.entity,
+                layers: it.layers.cloned().unwrap_or_default(),
+                view: camera_view(&it),
+                inverts_culling: it.camera.invert_culling,
+                jitter_px: if it.is_jittered { 0.5 } else { 0.0 },
+            }),
     );
     // The order of archetypes changes with unrelated components; a status must not.
     camera_inputs.sort_unstable_by_key(|camera| camera.entity);
@@ -157,12 +156,23 @@ pub fn decide_reflected_views(
 
 /// The camera as the maths wants it.
 fn camera_view(
-    camera: &Camera,
-    transform: &GlobalTransform,
-    deferred: bool,
+    UserCameraItem {
+        camera,
+        transform,
+        target,
+        graph,
+        is_deferred,
+        ..
+    }: &UserCameraItem,
 ) -> Result<CameraView, NotDrawn> {
-    if deferred {
+    if *is_deferred {
         return Err(NotDrawn::DeferredCamera);
+    }
+    if graph.is_some_and(|graph| graph.0 != Core3d.intern()) {
+        return Err(NotDrawn::OtherRenderGraph);
+    }
+    if target.is_some_and(|target| matches!(target, RenderTarget::None { .. })) {
+        return Err(NotDrawn::NoTarget);
     }
     match (
         camera.physical_viewport_size(),

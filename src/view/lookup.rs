@@ -8,7 +8,7 @@ use bevy::{
 };
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec2};
 
-use super::{DepthRange, PlannedView, bounds::WorldBox};
+use super::{DepthRange, PlannedView, bounds::WorldBox, cascade::cascade_near};
 use crate::math::BaseProjection;
 
 /// How far beside a point the widest fixed filter looks its shadow up, in texels, and two more.
@@ -34,12 +34,6 @@ pub fn is_cascade_read(config: &CascadeShadowConfig, index: usize, seen: DepthRa
     config.bounds.get(index).is_some_and(|&far| {
         seen.near <= far && seen.far >= cascade_near(config, index).unwrap_or(f32::NEG_INFINITY)
     })
-}
-
-/// Where a cascade begins; `None` for the first, which holds everything nearer than its end.
-fn cascade_near(config: &CascadeShadowConfig, index: usize) -> Option<f32> {
-    let before = config.bounds.get(index.checked_sub(1)?)?;
-    Some((1.0 - config.overlap_proportion) * before)
 }
 
 impl Lookup {

@@ -13,16 +13,19 @@
 //! | what walls leave of them to be seen | `cover.rs` |
 //! | bring the entities in line with that | `apply.rs`, `copy.rs` |
 //! | which lamps reach what is seen | `clusters.rs` |
-//! | after visibility: drop what is behind, choose the projection | `clip.rs` |
+//! | shadow cascades, as Bevy would build them | `cascade.rs` |
+//! | find what is visible, drop what is behind, choose the projection | `visible.rs`, `clip.rs` |
 //! | take the camera's shadow maps, or leave out what falls on nothing visible | `shadow.rs`, `lookup.rs` |
 //! | write [`MirrorStatus`](crate::MirrorStatus) | `report.rs` |
 //!
 //! Users never meet a reflected view: it carries `Disabled`, which keeps it out of every query
-//! that does not name it, except from `apply.rs` to the end of Bevy's light systems in
-//! `PostUpdate`, and during extraction.
+//! that does not name it. It is taken off only during extraction. What Bevy's systems do for cameras
+//! in `PostUpdate` the plugin does for its views; only where light clusters are filled on the CPU
+//! must Bevy see them for that.
 
 mod apply;
 mod bounds;
+mod cascade;
 mod clip;
 mod clusters;
 mod copy;
@@ -33,23 +36,28 @@ mod lookup;
 mod report;
 mod shadow;
 mod sight;
+mod visible;
 
 use core::ops::Range;
 
 use bevy::{
+    camera::primitives::Frustum,
     ecs::{entity::EntityHashMap, prelude::*},
+    light::cluster::GlobalClusterSettings,
     platform::collections::HashMap,
 };
 use glam::{DVec2, Mat4};
 
 pub use apply::{apply_reflected_views, disable_reflected_views, enable_reflected_views};
-pub use clip::clip_reflected_views;
+pub use cascade::build_cascades;
 pub use clusters::{Lamp, cluster_reflected_views};
 pub use decide::decide_reflected_views;
 pub use fit::{MirrorPlace, place_mirrors};
 pub use report::{report_figures, report_status};
-pub use shadow::{SeenCascade, narrow_cascades};
+pub use shadow::{SeenCascade, add_ranged_casters, any_own_cascades, narrow_cascades};
+pub use visible::see_reflected_views;
 
+use self::copy::CleanArchetypes;
 use crate::{
     math::{Plane, ReflectedViewPlan},
     mirror::{MirrorClip, MirrorShadows},
@@ -70,10 +78,6 @@ pub struct MirrorLimits {
 pub struct ReflectedViews {
     /// Whether there is a renderer to draw them.
     pub can_draw: bool,
-    /// How many others Bevy tells what is in `VisibilityRange`.
-    pub users_views: usize,
-    /// Whether some of ours are not seen by Bevy before it has looked at `VisibilityRange`.
-    pub some_wait: bool,
     /// Grouped by mirror.
     pub decisions: Vec<Decision>,
     /// Grouped by camera; a mirror comes before what is seen in it.
@@ -88,6 +92,7 @@ pub struct ReflectedViews {
     pub entities: HashMap<(Entity, Entity), Entity>,
     /// All entities of reflected views.
     pub alive: EntityHashMap<LiveView>,
+    pub clean: CleanArchetypes,
 }
 
 /// What is remembered of a reflected view from one frame to the next.
@@ -97,6 +102,8 @@ pub struct LiveView {
     pub is_wanted: bool,
     /// Whether something crossed the mirror's plane, so that it had to be cut there.
     pub was_cut: bool,
+    /// Whether it showed items of other plugins, of which nobody knows where they are.
+    pub has_foreign_items: bool,
     /// What the renderer said last.
     pub drawn: Option<DrawnFigures>,
 }
@@ -129,6 +136,8 @@ pub struct PlannedView {
     /// Its entity. Until the entities are brought in line that of the last frame, if there was one;
     /// then `None` if it could not be made.
     pub entity: Option<Entity>,
+    /// That of what sees the mirrors, reflected, without a near plane. Filled in with the entity.
+    pub loose_frustum: Option<Frustum>,
     /// Filled in once visibility is known.
     pub projection: Projection,
     /// The projection that the GPU shall use. Filled in with `projection`.
@@ -148,6 +157,8 @@ pub struct PlannedView {
     pub pixels: f64,
     /// How many objects are visible. Filled in with `projection`.
     pub objects: usize,
+    /// Whether the GPU may cull by the view's frustum. Filled in with `projection`.
+    pub culls_on_gpu: bool,
 }
 
 impl PlannedView {
@@ -190,9 +201,12 @@ impl DepthRange {
 #[derive(Component, Clone, Copy, Debug)]
 pub struct ReflectedView;
 
-/// Whether there are more views than Bevy tells what is in range.
-pub fn some_views_wait(views: Res<ReflectedViews>) -> bool {
-    views.some_wait
+/// Whether Bevy fills the light clusters of some view, which it does on the CPU alone.
+pub fn any_clusters_on_cpu(
+    views: Res<ReflectedViews>,
+    settings: Option<Res<GlobalClusterSettings>>,
+) -> bool {
+    !views.planned.is_empty() && settings.is_some_and(|settings| settings.gpu_clustering.is_none())
 }
 
 /// Whether there is anything to do, or to undo: a scene without mirrors runs none of the rest.

@@ -118,7 +118,9 @@ enum Concerns {
 fn concerns(reason: NotDrawn) -> Concerns {
     match reason {
         NotDrawn::NoRenderer | NotDrawn::TooManyMirrors => Concerns::All,
-        NotDrawn::DegenerateCamera | NotDrawn::DeferredCamera => Concerns::Camera,
+        NotDrawn::DegenerateCamera | NotDrawn::DeferredCamera | NotDrawn::OtherRenderGraph => {
+            Concerns::Camera
+        }
         _ => Concerns::Mirror,
     }
 }
@@ -137,6 +139,7 @@ fn remedy(reason: NotDrawn) -> Option<&'static str> {
         NotDrawn::MeshNotReadable => {
             "Use a triangle list or strip with finite Float32x3 positions and valid indices."
         }
+        NotDrawn::MeshDeforms => "Use a mesh that moves with its Transform alone.",
         NotDrawn::DegenerateTransform => {
             "Its transform, or the normal of MirrorPlane::Local, must be finite and not zero."
         }
@@ -145,6 +148,9 @@ fn remedy(reason: NotDrawn) -> Option<&'static str> {
         }
         NotDrawn::DeferredCamera => {
             "Use forward rendering for this camera, or put NoMirrors on it."
+        }
+        NotDrawn::OtherRenderGraph => {
+            "Use the Core3d render graph for this camera, or put NoMirrors on it."
         }
         NotDrawn::TooManyMirrors => {
             "The largest are drawn; PlanarMirrorPlugin::max_views says how many."

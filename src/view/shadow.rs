@@ -17,15 +17,20 @@ use core::any::TypeId;
 use bevy::{
     camera::{
         Camera,
-        primitives::{CascadesFrusta, Frustum},
-        visibility::{VisibilityRange, VisibleEntities},
+        primitives::{Aabb, CascadesFrusta, Frustum},
+        visibility::{
+            CascadesVisibleEntities, InheritedVisibility, NoCpuCulling, NoFrustumCulling,
+            RenderLayers, SetViewVisibility, ViewVisibility, VisibilityRange, VisibleEntities,
+        },
     },
-    ecs::{prelude::*, query::QueryData, system::SystemParam},
+    ecs::{entity_disabling::Disabled, prelude::*, query::QueryData, system::SystemParam},
     light::{
         CascadeShadowConfig, Cascades, DirectionalLight, NotShadowCaster, ShadowFilteringMethod,
         cluster::ClusterVisibilityClass,
     },
     math::primitives::HalfSpace,
+    mesh::Mesh3d,
+    transform::components::GlobalTransform,
 };
 use glam::Vec2;
 
@@ -33,6 +38,7 @@ use super::{
     DepthRange, PlannedView, ReflectedView, ReflectedViews,
     bounds::{Bounds, WorldBox},
     lookup::{Lookup, is_cascade_read},
+    visible::range_center,
 };
 use crate::mirror::MirrorShadows;
 
@@ -55,12 +61,24 @@ pub struct Sun {
     config: &'static CascadeShadowConfig,
     cascades: &'static mut Cascades,
     frusta: &'static mut CascadesFrusta,
+    visibility: &'static InheritedVisibility,
+    layers: Option<&'static RenderLayers>,
+}
+
+/// Whether a light that is visible or not, on these layers, throws shadows on anything that a view
+/// shows.
+fn casts(
+    visibility: &InheritedVisibility,
+    sun: Option<&RenderLayers>,
+    view: &RenderLayers,
+) -> bool {
+    visibility.get() && sun.unwrap_or_default().intersects(view)
 }
 
 /// What reflected views show.
 #[derive(SystemParam)]
 pub struct Shown<'w, 's> {
-    visible: Query<'w, 's, &'static VisibleEntities, With<ReflectedView>>,
+    visible: Query<'w, 's, &'static VisibleEntities, (With<ReflectedView>, Allow<Disabled>)>,
     objects: Query<'w, 's, Bounds<'static>>,
 }
 
@@ -84,13 +102,21 @@ struct Reader<'a> {
     view: Entity,
     planned: &'a PlannedView,
     camera: (&'a Camera, Option<&'a ShadowFilteringMethod>),
+    layers: &'a RenderLayers,
 }
 
 /// Chooses where the shadows of reflected views come from. Of their own cascades those beyond the
 /// last that is read are taken away, and the frusta narrowed by which casters are found.
 pub fn narrow_cascades(
     mut views: ResMut<ReflectedViews>,
-    cameras: Query<(&Camera, Option<&ShadowFilteringMethod>)>,
+    cameras: Query<
+        (
+            &Camera,
+            Option<&ShadowFilteringMethod>,
+            Option<&RenderLayers>,
+        ),
+        (With<ReflectedView>, Allow<Disabled>),
+    >,
     // To each eye others of them are there.
     ranged_casters: Query<(), (With<VisibilityRange>, Without<NotShadowCaster>)>,
     shown: Shown,
@@ -106,13 +132,14 @@ pub fn narrow_cascades(
         let Some(view) = planned.entity else {
             continue;
         };
-        let Ok(camera) = cameras.get(view) else {
+        let Ok((camera, filter, layers)) = cameras.get(view) else {
             continue;
         };
         let reader = Reader {
             view,
             planned,
-            camera,
+            camera: (camera, filter),
+            layers: layers.unwrap_or_default(),
         };
         let shadows = match planned.shadows {
             MirrorShadows::Auto => {
@@ -139,8 +166,8 @@ pub fn narrow_cascades(
 impl Reader<'_> {
     /// Whether the camera's maps of a light hold all that this view would read of its own.
     fn finds_all_at_the_cameras(&self, sun: &SunReadOnlyItem, shown: &Shown) -> bool {
-        // Else its cascades are those of the time when it still threw shadows.
-        if !sun.light.shadow_maps_enabled {
+        // Else its cascades may be those of the time when it still threw shadows.
+        if !sun.light.shadow_maps_enabled || !casts(sun.visibility, sun.layers, self.layers) {
             return true;
         }
         let cascades = &sun.cascades.cascades;
@@ -169,6 +196,7 @@ impl Reader<'_> {
         if !sun.light.shadow_maps_enabled {
             return;
         }
+        let casts = casts(sun.visibility, sun.layers, self.layers);
         let of_light = &mut sun.cascades.cascades;
         let Some(frusta) = sun.frusta.frusta.get_mut(&self.view) else {
             return;
@@ -176,6 +204,7 @@ impl Reader<'_> {
         let mut needed = 0;
         for (index, frustum) in frusta.iter_mut().enumerate() {
             if shadows == MirrorShadows::Off
+                || !casts
                 || !is_cascade_read(sun.config, index, self.planned.depths)
             {
                 hold_nothing(frustum);
@@ -236,4 +265,87 @@ fn hold_nothing(frustum: &mut Frustum) {
     const BEYOND: f32 = -1e30;
     let side = &mut frustum.half_spaces[0];
     *side = HalfSpace::new(side.normal().extend(BEYOND));
+}
+
+/// What throws shadows while it is in its range.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub struct RangedCaster {
+    entity: Entity,
+    inherited: &'static InheritedVisibility,
+    seen: &'static mut ViewVisibility,
+    layers: Option<&'static RenderLayers>,
+    transform: &'static GlobalTransform,
+    aabb: Option<&'static Aabb>,
+    range: &'static VisibilityRange,
+    no_frustum_culling: Has<NoFrustumCulling>,
+}
+
+type ThrowsShadows = (
+    With<Mesh3d>,
+    Without<NotShadowCaster>,
+    Without<NoCpuCulling>,
+    Without<DirectionalLight>,
+);
+
+/// Whether any shadow maps of reflected views' own are drawn.
+pub fn any_own_cascades(views: Res<ReflectedViews>) -> bool {
+    !views.cascades.is_empty()
+}
+
+/// Adds to the casters of each view's own cascades those with a `VisibilityRange`. The engine
+/// leaves them out: it does not know what is in range of a view that it does not see.
+pub fn add_ranged_casters(
+    views: Res<ReflectedViews>,
+    mut suns: Query<(
+        &CascadesFrusta,
+        &mut CascadesVisibleEntities,
+        Option<&RenderLayers>,
+    )>,
+    mut casters: Query<RangedCaster, ThrowsShadows>,
+) {
+    if casters.is_empty() {
+        return;
+    }
+    for planned in &views.planned {
+        let Some(view) = planned.entity else {
+            continue;
+        };
+        let eye = planned.plan.world_from_view.translation.as_vec3a();
+        for cascade in &views.cascades[planned.cascades.clone()] {
+            let Ok((frusta, mut visible, layers)) = suns.get_mut(cascade.light) else {
+                continue;
+            };
+            let layers = layers.unwrap_or_default();
+            let frustum = frusta
+                .frusta
+                .get(&view)
+                .and_then(|frusta| frusta.get(cascade.index));
+            let visible = visible
+                .entities
+                .get_mut(&view)
+                .and_then(|visible| visible.get_mut(cascade.index));
+            let (Some(frustum), Some(visible)) = (frustum, visible) else {
+                continue;
+            };
+            for mut caster in &mut casters {
+                let center = range_center(caster.range, caster.transform, caster.aabb);
+                let is_in_frustum = || {
+                    caster.aabb.is_none_or(|aabb| {
+                        caster.no_frustum_culling
+                            || frustum.intersects_obb(aabb, &caster.transform.affine(), false, true)
+                    })
+                };
+                if caster.inherited.get()
+                    && layers.intersects(caster.layers.unwrap_or_default())
+                    && caster.range.is_visible_at_all(eye.distance(center))
+                    && is_in_frustum()
+                {
+                    visible.entities.push(caster.entity);
+                    caster.seen.set_visible();
+                }
+            }
+            visible.entities.sort_unstable();
+        }
+    }
 }

@@ -1,9 +1,14 @@
 //! What one viewer, a camera or a reflected view, sees of all mirrors.
 
 use bevy::{
-    camera::visibility::{InheritedVisibility, RenderLayers},
+    camera::{
+        primitives::Aabb,
+        visibility::{InheritedVisibility, RenderLayers, VisibilityRange},
+    },
     ecs::{prelude::*, query::QueryData},
+    mesh::{morph::MeshMorphWeights, skinning::SkinnedMesh},
     platform::collections::HashMap,
+    transform::components::GlobalTransform,
 };
 use glam::{DVec2, DVec3};
 
@@ -12,6 +17,7 @@ use super::{
     cover::{Walls, WallsInView},
     decide::{CameraInput, CameraView},
     fit::MirrorPlace,
+    visible::range_center,
 };
 use crate::{
     math::{
@@ -30,6 +36,11 @@ pub struct MirrorInput {
     place: &'static MirrorPlace,
     visibility: &'static InheritedVisibility,
     layers: Option<&'static RenderLayers>,
+    transform: &'static GlobalTransform,
+    bounds: Option<&'static Aabb>,
+    range: Option<&'static VisibilityRange>,
+    is_skinned: Has<SkinnedMesh>,
+    is_morphed: Has<MeshMorphWeights>,
 }
 
 /// Who looks, and through what.
@@ -202,12 +213,14 @@ impl Sight {
                     clip,
                     shadows,
                     entity: members.iter().find_map(|seen| viewer.view_of(seen.entity)),
+                    loose_frustum: None,
                     projection: Projection::Oblique,
                     depths: DepthRange::EVERYTHING,
                     cascades: 0..0,
                     lamps: None,
                     pixels: members.iter().map(|seen| seen.pixels).sum(),
                     objects: 0,
+                    culls_on_gpu: false,
                 });
             }
         }
@@ -255,7 +268,17 @@ impl Viewer<'_> {
         if !self.camera.layers.intersects(layers) {
             return Err(NotDrawn::OtherLayers);
         }
+        if mirror.is_skinned || mirror.is_morphed {
+            return Err(NotDrawn::MeshDeforms);
+        }
         let (plane, corners) = mirror.place.0?;
+        if let (Ok(view), Some(range)) = (self.view, mirror.range) {
+            let center = range_center(range, mirror.transform, mirror.bounds);
+            let eye = view.world_from_view.translation.as_vec3a();
+            if range.is_culled(eye.distance(center)) {
+                return Err(NotDrawn::OutOfRange);
+            }
+        }
         let was_drawn = self.view_of(mirror.entity).is_some();
         self.plan_quad(plane, corners, was_drawn)
     }

@@ -228,21 +228,21 @@ fn a_world_may_be_cleared_before_the_views_are_updated() {
 }
 
 #[test]
-fn a_world_may_be_cleared_while_the_views_can_be_seen() {
+fn a_world_may_be_cleared_between_any_two_steps() {
     survives_clearing(|app| {
         app.add_systems(
             PostUpdate,
             clear_when_told
                 .after(MirrorSystems::UpdateViews)
-                .before(MirrorSystems::ClipViews),
+                .before(MirrorSystems::SeeViews),
         );
     });
     survives_clearing(|app| {
         app.add_systems(
             PostUpdate,
             clear_when_told
-                .after(MirrorSystems::ClipViews)
-                .before(MirrorSystems::HideViews),
+                .after(MirrorSystems::SeeViews)
+                .before(MirrorSystems::NarrowShadows),
         );
     });
 }

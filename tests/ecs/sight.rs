@@ -1,7 +1,8 @@
-//! A user never meets a reflected view, but between the plugin's own steps and in extraction.
+//! A user never meets a reflected view, but in extraction.
 
 use bevy::{
-    camera::NormalizedRenderTarget,
+    camera::{NormalizedRenderTarget, visibility::VisibilitySystems},
+    light::SimulationLightSystems,
     picking::{
         PickingPlugin,
         backend::ray::RayMap,
@@ -38,7 +39,7 @@ fn look(
     }
 }
 
-const PLACES: usize = 9;
+const PLACES: usize = 19;
 
 fn look_everywhere(app: &mut App) {
     app.init_resource::<Met>()
@@ -53,7 +54,24 @@ fn look_everywhere(app: &mut App) {
                 look("after transforms")
                     .after(TransformSystems::Propagate)
                     .before(MirrorSystems::UpdateViews),
-                look("after all").after(MirrorSystems::HideViews),
+                look("between")
+                    .after(MirrorSystems::UpdateViews)
+                    .before(MirrorSystems::SeeViews),
+                look("while shadows are chosen")
+                    .after(MirrorSystems::SeeViews)
+                    .before(MirrorSystems::NarrowShadows),
+                look("after all").after(MirrorSystems::NarrowShadows),
+                look("after visibility").after(VisibilitySystems::CheckVisibility),
+                look("after lights").after(SimulationLightSystems::CheckLightVisibility),
+                // As users write them: in no order that is told, between any two others.
+                (
+                    look("somewhere 1"),
+                    look("somewhere 2"),
+                    look("somewhere 3"),
+                    look("somewhere 4").after(TransformSystems::Propagate),
+                    look("somewhere 5").after(TransformSystems::Propagate),
+                    look("somewhere 6").after(TransformSystems::Propagate),
+                ),
             ),
         )
         .add_systems(Last, (look("Last"), look("Last again")));
@@ -63,10 +81,15 @@ fn look_everywhere(app: &mut App) {
 fn a_users_systems_meet_the_users_camera_alone() {
     let mut app = mirror_app_with(look_everywhere);
     let camera = app.spawn_camera(EYE);
+    let sun = DirectionalLight {
+        shadow_maps_enabled: true,
+        ..default()
+    };
+    app.spawn((sun, Transform::default().looking_to(Vec3::NEG_Y, Vec3::X)));
     for x in [-1.0, 0.0, 1.0] {
         app.spawn_mirror(Transform::from_xyz(x, 0.0, 0.1 * x));
     }
-    for frame in 0..4 {
+    for frame in 0..40 {
         app.insert_resource(Met::default());
         app.update();
         assert_eq!(app.views().len(), 3);
@@ -93,28 +116,15 @@ fn a_users_systems_meet_the_users_camera_alone() {
 }
 
 #[test]
-fn bevys_own_steps_and_extraction_meet_every_view() {
-    fn see(cameras: Query<Entity, With<Camera>>, mut met: ResMut<Met>) {
-        met.0.push(("between", cameras.iter().collect()));
-    }
-    let mut app = mirror_app_with(|app| {
-        app.init_resource::<Met>().add_systems(
-            PostUpdate,
-            see.after(MirrorSystems::UpdateViews)
-                .before(MirrorSystems::HideViews),
-        );
-    });
+fn extraction_meets_every_view() {
+    let mut app = mirror_app();
     let camera = app.spawn_camera(EYE);
     app.spawn_mirror(default());
     for _ in 0..3 {
-        app.insert_resource(Met::default());
         app.update();
         let mut expected = app.views();
         expected.push(camera);
         expected.sort();
-        let mut between = app.world().resource::<Met>().0[0].1.clone();
-        between.sort();
-        assert_eq!(between, expected);
         let mut extracted = app.extracted().to_vec();
         extracted.sort();
         assert_eq!(extracted, expected);
