@@ -6,6 +6,8 @@ mod support;
 
 mod pictures {
     mod bad_input;
+    mod behind;
+    mod billboards;
     mod bounces;
     mod cameras;
     mod changes;
@@ -21,6 +23,7 @@ mod pictures {
     mod foreign;
     mod hard_cases;
     mod harness;
+    mod holes;
     mod idle;
     mod indirect;
     mod leftovers;
@@ -31,13 +34,16 @@ mod pictures {
     mod precision;
     mod projections;
     mod random_scenes;
+    mod required;
     mod seams;
     mod settings;
     mod several;
     mod shadows;
     mod shapes;
+    mod start;
     mod surfaces;
     mod targets;
     mod transmission;
+    mod unbounded;
     mod views;
 }

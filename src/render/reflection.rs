@@ -10,7 +10,10 @@ use bevy::{
     ecs::{prelude::*, system::SystemParam},
     image::ToExtents,
     log::error,
-    pbr::{ScreenSpaceTransmission, Transmissive3d, ViewLightEntities, ViewTransmissionTexture},
+    pbr::{
+        ScreenSpaceTransmission, Transmissive3d, ViewLightEntities, ViewTransmissionTexture,
+        wireframe::Wireframe3d,
+    },
     render::{
         camera::ExtractedCamera,
         render_phase::{
@@ -30,6 +33,7 @@ pub struct Reflections<'w, 's> {
     alpha_mask: Res<'w, ViewBinnedRenderPhases<AlphaMask3d>>,
     transmissive: Res<'w, ViewSortedRenderPhases<Transmissive3d>>,
     transparent: Res<'w, ViewSortedRenderPhases<Transparent3d>>,
+    wireframe: Option<Res<'w, ViewBinnedRenderPhases<Wireframe3d>>>,
     cache: Res<'w, PipelineCache>,
     views: Query<
         'w,
@@ -76,6 +80,7 @@ impl Reflections<'_, '_> {
             transmission_steps: settings.map_or(0, |settings| settings.steps),
             transmission,
             transparent: self.transparent.get(key),
+            wireframe: self.wireframe.as_ref().and_then(|phases| phases.get(key)),
         })
     }
 }
@@ -97,6 +102,7 @@ pub struct Reflection<'a> {
     transmission_steps: usize,
     transmission: Option<&'a ViewTransmissionTexture>,
     transparent: Option<&'a SortedRenderPhase<Transparent3d>>,
+    wireframe: Option<&'a BinnedRenderPhase<Wireframe3d>>,
 }
 
 struct Skybox<'a> {
@@ -144,6 +150,7 @@ impl<'a> Reflection<'a> {
             + usize::from(self.skybox.is_some())
             + self.transmissive.map_or(0, sorted_draws)
             + self.transparent.map_or(0, sorted_draws)
+            + self.wireframe.map_or(0, binned_draws)
     }
 
     /// Whether anything is drawn after the mirrors that are seen in it.
@@ -194,6 +201,10 @@ impl<'a> Reflection<'a> {
 
     pub fn draw_transparent<'w>(&self, pass: &mut TrackedRenderPass<'w>, world: &'w World) {
         if let Some(phase) = self.transparent {
+            report(phase.render(pass, world, self.entity));
+        }
+        // After all else, as the engine draws them.
+        if let Some(phase) = self.wireframe {
             report(phase.render(pass, world, self.entity));
         }
     }

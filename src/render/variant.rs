@@ -7,6 +7,8 @@
 //! face rather than the culled one is right for every material, for two-sided lighting, and when
 //! nothing is culled.
 
+use core::cell::Cell;
+
 use bevy::{
     core_pipeline::{
         core_3d::{AlphaMask3d, Opaque3d, Transparent3d},
@@ -14,7 +16,7 @@ use bevy::{
     },
     ecs::{prelude::*, system::SystemParam},
     log::warn,
-    pbr::{SpecializedMaterialPipelineCache, Transmissive3d, ViewKeyCache},
+    pbr::{SpecializedMaterialPipelineCache, Transmissive3d, ViewKeyCache, wireframe::Wireframe3d},
     platform::collections::{HashMap, HashSet},
     render::{
         render_phase::{
@@ -26,7 +28,7 @@ use bevy::{
         },
         renderer::RenderDevice,
         settings::WgpuFeatures,
-        view::{ExtractedView, Msaa},
+        view::{ExtractedView, Msaa, RetainedViewEntity},
     },
 };
 
@@ -260,6 +262,17 @@ pub struct Phases<'w> {
     alpha_mask: ResMut<'w, ViewBinnedRenderPhases<AlphaMask3d>>,
     transmissive: ResMut<'w, ViewSortedRenderPhases<Transmissive3d>>,
     transparent: ResMut<'w, ViewSortedRenderPhases<Transparent3d>>,
+    /// If there is a plugin for it.
+    wireframe: Option<ResMut<'w, ViewBinnedRenderPhases<Wireframe3d>>>,
+}
+
+impl Phases<'_> {
+    fn wireframe(
+        &mut self,
+        view: &RetainedViewEntity,
+    ) -> Option<&mut BinnedRenderPhase<Wireframe3d>> {
+        self.wireframe.as_mut()?.get_mut(view)
+    }
 }
 
 /// Replaces the pipelines of what other plugins queued into reflected views by themselves.
@@ -278,12 +291,12 @@ pub fn vary_queued_items(
         };
         let format = pass_format(mirror, &view, msaa);
         let key = &view.retained_view_entity;
-        let mut met = false;
+        let met = Cell::new(false);
         let mut vary = |pipeline: &mut CachedRenderPipelineId| {
             if variants.bases.contains_key(pipeline) {
                 return true;
             }
-            met = true;
+            met.set(true);
             let variant = variants.foreign_variant(*pipeline, format, &mut cache);
             *pipeline = variant.unwrap_or(*pipeline);
             variant.is_some()
@@ -300,8 +313,13 @@ pub fn vary_queued_items(
         if let Some(phase) = phases.transparent.get_mut(key) {
             phase.items.retain(|_, item| vary(&mut item.pipeline));
         }
-        mirror.has_foreign_items |= met;
-        if met && let Some(oblique) = mirror.clip_unbounded {
+        let is_foreign = met.get();
+        // Of these it is known where they are: on meshes that show.
+        if let Some(phase) = phases.wireframe(key) {
+            rekey(phase, |key| &mut key.pipeline, &mut vary);
+        }
+        mirror.has_foreign_items |= is_foreign;
+        if is_foreign && let Some(oblique) = mirror.clip_unbounded {
             view.clip_from_view = mirror.handed(oblique);
             mirror.is_oblique = true;
         }
@@ -329,6 +347,9 @@ pub fn restore_queued_items(
             rekey(phase, |key| &mut key.pipeline, &mut restore);
         }
         if let Some(phase) = phases.alpha_mask.get_mut(key) {
+            rekey(phase, |key| &mut key.pipeline, &mut restore);
+        }
+        if let Some(phase) = phases.wireframe(key) {
             rekey(phase, |key| &mut key.pipeline, &mut restore);
         }
     }

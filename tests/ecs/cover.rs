@@ -11,7 +11,7 @@ use bevy::{
     prelude::*,
     render::render_resource::Face,
 };
-use bevy_planar_mirror::{MirrorFigures, NotDrawn, PlanarMirror, PlanarMirrorPlugin};
+use bevy_planar_mirror::{MirrorFigures, MirrorState, NotDrawn, PlanarMirror, PlanarMirrorPlugin};
 
 use super::app::{EYE, MirrorApp, PLAIN, mirror_app, mirror_app_of, not};
 
@@ -65,13 +65,13 @@ impl Hidden {
     /// From this very frame on it is or is not.
     #[track_caller]
     fn assert_hidden(&mut self, is_hidden: bool) {
-        let state = if is_hidden {
-            not(NotDrawn::Occluded)
-        } else {
-            PLAIN
-        };
         self.app.update();
-        self.app.assert_state(self.mirror, self.camera, state);
+        let state = self.app.state_of(self.mirror, self.camera);
+        if is_hidden {
+            assert_eq!(state, not(NotDrawn::Occluded));
+        } else {
+            assert!(matches!(state, Some(MirrorState::Drawn(_))), "{state:?}");
+        }
         assert_eq!(self.app.views().is_empty(), is_hidden);
     }
 

@@ -27,10 +27,9 @@ use rand::{
 
 const SIZE: UVec2 = UVec2::new(320, 240);
 /// Frames until the mirrors come, so that they come into a scene that is there.
-const MIRRORS_AT: u32 = 20;
-const PICTURE_AT: u32 = 90;
-/// A picture that has not come by then never will.
-const GIVE_UP_AT: u32 = 300;
+const MIRRORS_AT: u32 = 10;
+/// Frames after which a picture that has not come never will.
+const PATIENCE: u32 = 200;
 
 /// Bevy's, and the [`Host`] after them.
 pub struct DefaultPlugins;
@@ -48,25 +47,34 @@ impl PluginGroup for DefaultPlugins {
     }
 }
 
-/// Reads what to do from the environment: `HOSTS_MODE`, `HOSTS_PICTURE` and `HOSTS_STATUS`.
+/// Reads what to do from the environment: `HOSTS_MODE`, `HOSTS_FRAMES`, `HOSTS_PICTURE` and
+/// `HOSTS_STATUS`.
 struct Host;
 
 impl Plugin for Host {
     fn build(&self, app: &mut App) {
         let mode = env::var("HOSTS_MODE").expect("HOSTS_MODE: stock, plugin or mirror");
-        app.init_resource::<Frame>()
-            .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(
-                1.0 / 60.0,
-            )))
-            .add_systems(First, count_frames)
-            .add_systems(Last, (take_picture, leave));
+        let picture_at = env::var("HOSTS_FRAMES").expect("HOSTS_FRAMES: a number");
+        app.insert_resource(Frame {
+            number: 0,
+            picture_at: picture_at.parse().expect("HOSTS_FRAMES: a number"),
+            saved: None,
+        })
+        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(
+            1.0 / 60.0,
+        )))
+        .add_systems(First, count_frames)
+        .add_systems(Last, (take_picture, leave));
         if mode != "stock" {
             app.add_plugins(PlanarMirrorPlugin::default());
         }
         if mode == "mirror" {
             app.init_resource::<Seen>()
                 .add_systems(Update, spawn_mirrors)
-                .add_systems(PostUpdate, follow_camera.before(TransformSystems::Propagate))
+                .add_systems(
+                    PostUpdate,
+                    follow_camera.before(TransformSystems::Propagate),
+                )
                 .add_systems(Last, (look_at_status, write_status).chain());
         }
         // It is there already, and is not opened yet.
@@ -100,9 +108,10 @@ where
     RNG.with_borrow_mut(|rng| rng.random())
 }
 
-#[derive(Resource, Default)]
+#[derive(Resource)]
 struct Frame {
     number: u32,
+    picture_at: u32,
     /// Frames since the picture was saved.
     saved: Option<u32>,
 }
@@ -113,7 +122,7 @@ fn count_frames(mut frame: ResMut<Frame>) {
 }
 
 fn take_picture(mut commands: Commands, frame: Res<Frame>) {
-    if frame.number == PICTURE_AT {
+    if frame.number == frame.picture_at {
         commands
             .spawn(Screenshot::primary_window())
             .observe(save_to_disk(path("HOSTS_PICTURE")))
@@ -127,7 +136,7 @@ fn leave(frame: Res<Frame>, mut exit: MessageWriter<AppExit>) {
     // Errors of the last frames are reported a frame or two later.
     if frame.saved.is_some_and(|frames| frames > 3) {
         exit.write(AppExit::Success);
-    } else if frame.number > GIVE_UP_AT {
+    } else if frame.number > frame.picture_at + PATIENCE {
         exit.write(AppExit::from_code(3));
     }
 }
@@ -263,8 +272,7 @@ fn follow_camera(
         };
         let leaving = (eye + stand.distance * forward - place).normalize_or(forward);
         let normal = (leaving - arriving).normalize_or(-forward);
-        let placed =
-            Transform::from_translation(place).looking_to(-normal, rotation * Vec3::Y);
+        let placed = Transform::from_translation(place).looking_to(-normal, rotation * Vec3::Y);
         transform.set_if_neq(placed);
     }
 }

@@ -45,14 +45,14 @@ fn round(stage: &mut Stage) -> Round {
     Round {
         states,
         main_entities: stage.world().entities().count_spawned(),
-        render_entities: stage.render_world().entities().count_spawned(),
+        render_entities: stage.render_entities(),
         pipelines: stage.pipeline_labels().len(),
     }
 }
 
 #[test]
 fn random_changes_break_nothing_and_leave_nothing_behind() {
-    let mut stage = Stage::with_mirrors();
+    let mut stage = Stage::game_with_mirrors();
     // Small, for the sake of a processor that draws.
     let shadows = DirectionalLightShadowMap { size: 128 };
     stage.world().insert_resource(shadows);

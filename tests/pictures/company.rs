@@ -205,7 +205,7 @@ fn point(world: &mut World, pointer: Entity, target: NormalizedRenderTarget, pos
 #[test]
 fn a_screenshot_shows_the_mirrors() {
     let scene = booth("screenshot");
-    let mut live = Live::new(&scene);
+    let mut live = Live::in_reach(&scene);
     let picture = live.settled();
     let shot = Arc::new(Mutex::new(None));
     let taken = shot.clone();

@@ -84,13 +84,13 @@ fn traces(live: &mut Live) -> Traces {
 fn a_mirror_never_in_view_leaves_no_trace_in_the_renderer() {
     let mut bare = scene();
     bare.mirrors.clear();
-    let mut bare = Live::new(&bare);
+    let mut bare = Live::in_reach(&bare);
     bare.settled();
     let nothing = traces(&mut bare);
     assert_eq!((nothing.views, nothing.pipelines), (1, 0));
     drop(bare);
     for (way, hide) in WAYS {
-        let mut live = Live::new(&scene());
+        let mut live = Live::in_reach(&scene());
         let mirror = find(live.world(), "mirror");
         hide(live.world(), mirror);
         live.settled();
@@ -101,7 +101,7 @@ fn a_mirror_never_in_view_leaves_no_trace_in_the_renderer() {
 #[test]
 fn a_mirror_that_leaves_the_view_takes_all_with_it_but_its_pipelines() {
     for (way, hide) in WAYS {
-        let mut live = Live::new(&scene());
+        let mut live = Live::in_reach(&scene());
         live.settled();
         let seen = traces(&mut live);
         assert!(seen.views == 2 && seen.pipelines > 0, "{way}: {seen:?}");
@@ -162,7 +162,7 @@ fn steady(live: &mut Live) -> Steady {
 fn a_frame_in_which_nothing_happens_adds_nothing_in_either_world() {
     let seen: (&str, Hide) = ("seen", |_, _| {});
     for (way, hide) in WAYS.into_iter().chain([seen]) {
-        let mut live = Live::new(&scene());
+        let mut live = Live::in_reach(&scene());
         let mirror = find(live.world(), "mirror");
         hide(live.world(), mirror);
         live.settled();

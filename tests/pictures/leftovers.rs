@@ -14,7 +14,7 @@ fn views(live: &mut Live) -> usize {
 
 #[test]
 fn a_mirror_that_comes_and_goes_leaves_no_view_in_the_renderer() {
-    let mut live = Live::new(&room("leftovers"));
+    let mut live = Live::in_reach(&room("leftovers"));
     let mirror = find(live.world(), "mirror");
     for round in 0..3 {
         live.next();

@@ -64,8 +64,13 @@ pub struct Live {
 }
 
 impl Live {
-    /// The scene with its mirrors, as no frame has shown it yet.
+    /// The scene with its mirrors in an app as games run it, as no frame has shown it yet.
     pub fn new(scene: &Scene) -> Self {
+        Self::on(Stage::game_with_mirrors(), scene)
+    }
+
+    /// [`Self::new`] in an app whose render world is in reach.
+    pub fn in_reach(scene: &Scene) -> Self {
         Self::on(Stage::with_mirrors(), scene)
     }
 
@@ -111,10 +116,13 @@ impl Live {
         settled.unwrap_or_else(|reason| panic!("{reason}"))
     }
 
-    /// The picture after one frame more.
+    /// The picture after one frame more, and as many as it takes to compile what is new in it.
     #[track_caller]
     pub fn next(&mut self) -> Picture {
         self.stage.frame();
+        while self.stage.waiting_pipelines() > 0 {
+            self.stage.frame();
+        }
         let picture = self.stage.read(&self.target, self.size);
         picture.unwrap_or_else(|reason| panic!("{reason}"))
     }

@@ -9,22 +9,24 @@ use std::{
 
 use bevy::{
     asset::RenderAssetUsages,
+    ecs::schedule::MainThreadExecutor,
     log::{Level, LogPlugin},
     prelude::*,
     render::{
-        RenderApp, RenderPlugin,
+        Render, RenderApp, RenderPlugin, RenderSystems,
         error_handler::{RenderErrorHandler, RenderErrorPolicy},
         pipelined_rendering::PipelinedRenderingPlugin,
         render_asset::RenderAssets,
         render_resource::{
             BufferDescriptor, BufferUsages, CachedPipelineState, CommandEncoderDescriptor,
             Extent3d, MapMode, PipelineCache, PipelineDescriptor, PollType, TexelCopyBufferInfo,
-            TexelCopyBufferLayout, TextureDimension, TextureFormat, TextureUsages,
+            TexelCopyBufferLayout, Texture, TextureDimension, TextureFormat, TextureUsages,
         },
         renderer::{RenderDevice, RenderQueue},
         settings::WgpuSettings,
         texture::GpuImage,
     },
+    tasks::ComputeTaskPool,
     window::ExitCondition,
     winit::WinitPlugin,
 };
@@ -46,7 +48,64 @@ const ROW_ALIGNMENT: u32 = 256;
 pub struct Stage {
     app: App,
     log: Vec<Line>,
+    /// What a renderer on a thread of its own has made known; `None` if it is in reach.
+    published: Option<Arc<Mutex<Published>>>,
+    /// How many updates there were.
+    updates: u64,
     _turn: Rc<Turn>,
+}
+
+/// What is to be known of a renderer, as it was at the end of a frame.
+#[derive(Default)]
+struct Published {
+    frames: u64,
+    waiting: usize,
+    labels: Vec<String>,
+    entities: u32,
+    targets: Vec<(AssetId<Image>, Texture)>,
+}
+
+/// In the render world of an app whose renderer has a thread of its own.
+#[derive(Resource)]
+struct Publisher(Arc<Mutex<Published>>);
+
+/// The end of each frame.
+fn publish(world: &mut World) {
+    let entities = world.entities().count_spawned();
+    let cache = world.resource::<PipelineCache>();
+    let images = world.resource::<RenderAssets<GpuImage>>().iter();
+    let targets = images
+        .map(|(id, image)| (id, image.texture.clone()))
+        .filter(|(_, texture)| texture.usage().contains(TextureUsages::COPY_SRC))
+        .collect();
+    let publisher = world.resource::<Publisher>();
+    let mut published = publisher.0.lock().expect("nobody panics with it");
+    *published = Published {
+        frames: published.frames + 1,
+        waiting: waiting(cache),
+        labels: labels(cache),
+        entities,
+        targets,
+    };
+}
+
+fn waiting(cache: &PipelineCache) -> usize {
+    let unready = |state: &CachedPipelineState| !matches!(state, CachedPipelineState::Ok(_));
+    let pipelines = cache.pipelines();
+    pipelines
+        .filter(|pipeline| unready(&pipeline.state))
+        .count()
+}
+
+fn labels(cache: &PipelineCache) -> Vec<String> {
+    let pipelines = cache.pipelines();
+    pipelines
+        .map(|pipeline| match &pipeline.descriptor {
+            PipelineDescriptor::RenderPipelineDescriptor(it) => it.label.clone(),
+            PipelineDescriptor::ComputePipelineDescriptor(it) => it.label.clone(),
+        })
+        .map(|label| label.unwrap_or_default().into_owned())
+        .collect()
 }
 
 /// Why there is no picture.
@@ -84,43 +143,69 @@ impl Stage {
 
     /// [`Self::new`] on a device as these settings ask for it.
     pub fn with_wgpu(wgpu: WgpuSettings, add: impl FnOnce(&mut App)) -> Self {
+        Self::build(wgpu, false, add)
+    }
+
+    /// Bevy as games run it: pipelines are compiled in the background, and the renderer has a thread
+    /// of its own. There is no [`Self::render_world`] then.
+    pub fn as_games_run(add: impl FnOnce(&mut App)) -> Self {
+        Self::build(WgpuSettings::default(), true, add)
+    }
+
+    /// [`Self::as_games_run`] with the mirrors.
+    pub fn game_with_mirrors() -> Self {
+        Self::as_games_run(|app| {
+            app.add_plugins(PlanarMirrorPlugin::default());
+        })
+    }
+
+    fn build(wgpu: WgpuSettings, as_game: bool, add: impl FnOnce(&mut App)) -> Self {
         let turn = Turn::take();
         log::install();
         log::take();
         let mut app = App::new();
-        app.add_plugins(
-            DefaultPlugins
-                .set(WindowPlugin {
-                    primary_window: None,
-                    exit_condition: ExitCondition::DontExit,
-                    ..default()
-                })
-                .set(RenderPlugin {
-                    render_creation: wgpu.into(),
-                    synchronous_pipeline_compilation: true,
-                    ..default()
-                })
-                .disable::<WinitPlugin>()
-                .disable::<LogPlugin>()
-                // The render world stays in reach, and a picture is that of the update before.
-                .disable::<PipelinedRenderingPlugin>(),
-        );
+        let plugins = DefaultPlugins
+            .set(WindowPlugin {
+                primary_window: None,
+                exit_condition: ExitCondition::DontExit,
+                ..default()
+            })
+            .set(RenderPlugin {
+                render_creation: wgpu.into(),
+                synchronous_pipeline_compilation: !as_game,
+                ..default()
+            })
+            .disable::<WinitPlugin>()
+            .disable::<LogPlugin>();
+        app.add_plugins(if as_game {
+            plugins
+        } else {
+            // The render world stays in reach, and a picture is that of the update before.
+            plugins.disable::<PipelinedRenderingPlugin>()
+        });
         // The error is in the log by then, and the log is read after each update.
         app.insert_resource(RenderErrorHandler(|_, _, _| {
             RenderErrorPolicy::StopRendering
         }));
         app.insert_resource(ClearColor(Color::BLACK));
         add(&mut app);
+        let published = as_game.then(Arc::<Mutex<Published>>::default);
+        if let (Some(published), Some(render)) = (&published, app.get_sub_app_mut(RenderApp)) {
+            render
+                .insert_resource(Publisher(published.clone()))
+                .add_systems(Render, publish.in_set(RenderSystems::PostCleanup));
+        }
         app.finish();
         app.cleanup();
         assert!(
-            app.get_sub_app(RenderApp)
-                .is_some_and(|render| render.world().contains_resource::<RenderDevice>()),
+            app.world().contains_resource::<RenderDevice>(),
             "no graphics adapter: picture tests need a Vulkan driver, a software one will do"
         );
         Self {
             app,
             log: Vec::new(),
+            published,
+            updates: 0,
             _turn: turn,
         }
     }
@@ -170,6 +255,7 @@ impl Stage {
     /// One update as `step` does it, drawn to its end; or what was reported as an error.
     pub fn try_frame(&mut self, step: impl FnOnce(&mut App)) -> Result<(), String> {
         step(&mut self.app);
+        self.updates += 1;
         let device = self.app.world().resource::<RenderDevice>().clone();
         if let Err(error) = device.wgpu_device().poll(PollType::wait_indefinitely()) {
             return Err(format!("the device did not finish the frame: {error}"));
@@ -241,54 +327,90 @@ impl Stage {
 
     /// The labels of all pipelines asked for so far, in that order.
     pub fn pipeline_labels(&self) -> Vec<String> {
-        let render = self.app.sub_app(RenderApp).world();
-        let pipelines = render.resource::<PipelineCache>().pipelines();
-        pipelines
-            .map(|pipeline| match &pipeline.descriptor {
-                PipelineDescriptor::RenderPipelineDescriptor(it) => it.label.clone(),
-                PipelineDescriptor::ComputePipelineDescriptor(it) => it.label.clone(),
-            })
-            .map(|label| label.unwrap_or_default().into_owned())
-            .collect()
+        self.of_renderer(
+            |world| labels(world.resource()),
+            |published| published.labels.clone(),
+        )
     }
 
     /// Pipelines that are asked for and not compiled yet.
     pub fn waiting_pipelines(&self) -> usize {
-        let cache = self
-            .app
-            .sub_app(RenderApp)
-            .world()
-            .resource::<PipelineCache>();
-        let unready = |state: &CachedPipelineState| !matches!(state, CachedPipelineState::Ok(_));
-        cache
-            .pipelines()
-            .filter(|pipeline| unready(&pipeline.state))
-            .count()
+        self.of_renderer(
+            |world| waiting(world.resource()),
+            |published| published.waiting,
+        )
+    }
+
+    /// Entities that the renderer has.
+    pub fn render_entities(&self) -> u32 {
+        self.of_renderer(
+            |world| world.entities().count_spawned(),
+            |published| published.entities,
+        )
+    }
+
+    /// Something of the renderer, in its world or as it made it known at the end of this frame.
+    fn of_renderer<T>(
+        &self,
+        in_reach: impl FnOnce(&World) -> T,
+        known: impl FnOnce(&Published) -> T,
+    ) -> T {
+        let Some(published) = &self.published else {
+            return in_reach(self.app.sub_app(RenderApp).world());
+        };
+        let main_thread = self.app.world().resource::<MainThreadExecutor>().clone();
+        let start = std::time::Instant::now();
+        loop {
+            let published = published.lock().expect("nobody panics with it");
+            if published.frames >= self.updates {
+                return known(&published);
+            }
+            drop(published);
+            assert!(
+                start.elapsed().as_secs() < 60,
+                "the renderer does not finish"
+            );
+            // It may wait for this thread to do something.
+            ComputeTaskPool::get().scope_with_executor(true, Some(&*main_thread.0), |scope| {
+                scope.spawn(async {});
+            });
+            std::thread::sleep(std::time::Duration::from_micros(200));
+        }
     }
 
     /// The target as it is now.
     pub fn read(&self, target: &Handle<Image>, size: UVec2) -> Result<Picture, NoPicture> {
-        let render = self.app.sub_app(RenderApp).world();
-        let (device, queue) = (
-            render.resource::<RenderDevice>(),
-            render.resource::<RenderQueue>(),
+        let texture = self.of_renderer(
+            |world| {
+                let images = world.resource::<RenderAssets<GpuImage>>();
+                images.get(target).map(|image| image.texture.clone())
+            },
+            |published| {
+                let mut targets = published.targets.iter();
+                let found = targets.find(|(id, _)| *id == target.id());
+                found.map(|(_, texture)| texture.clone())
+            },
         );
-        let images = render.resource::<RenderAssets<GpuImage>>();
-        let image = images.get(target).ok_or(NoPicture::Missing)?;
-        let actual = UVec2::new(image.texture.width(), image.texture.height());
+        let texture = texture.ok_or(NoPicture::Missing)?;
+        let world = self.app.world();
+        let (device, queue) = (
+            world.resource::<RenderDevice>(),
+            world.resource::<RenderQueue>(),
+        );
+        let actual = UVec2::new(texture.width(), texture.height());
         if actual != size {
             return Err(NoPicture::WrongSize {
                 actual,
                 expected: size,
             });
         }
-        let Some(decode) = decoder(image.texture.format()) else {
+        let Some(decode) = decoder(texture.format()) else {
             return Err(NoPicture::NotReadable(format!(
                 "{:?} is not known here",
-                image.texture.format()
+                texture.format()
             )));
         };
-        let pixel = image.texture.format().block_copy_size(None).unwrap_or(0);
+        let pixel = texture.format().block_copy_size(None).unwrap_or(0);
         let row = (size.x * pixel).next_multiple_of(ROW_ALIGNMENT);
         let buffer = device.create_buffer(&BufferDescriptor {
             label: Some("picture"),
@@ -300,7 +422,7 @@ impl Stage {
             label: Some("read_picture"),
         });
         encoder.copy_texture_to_buffer(
-            image.texture.as_image_copy(),
+            texture.as_image_copy(),
             TexelCopyBufferInfo {
                 buffer: &buffer,
                 layout: TexelCopyBufferLayout {

@@ -21,11 +21,22 @@ pub const SHARE_FAR_AWAY: f64 = 0.9995;
 /// Pixels that a mirror must have for a picture of it to say anything.
 const LEAST: usize = 100;
 
+/// How a studio's apps are made.
+fn stage(as_game: bool) -> fn(&mut dyn FnMut(&mut App)) -> Stage {
+    if as_game {
+        |add| Stage::as_games_run(add)
+    } else {
+        |add| Stage::new(add)
+    }
+}
+
 /// Two apps, one with the plugin and one without, that draw one scene after the other.
 #[derive(Default)]
 pub struct Studio {
     plugin: PlanarMirrorPlugin,
     plugins: Vec<fn(&mut App)>,
+    /// Whether both are as games run.
+    as_game: bool,
     mirrors: Option<Stage>,
     stock: Option<Stage>,
 }
@@ -36,6 +47,14 @@ impl Studio {
         Self {
             plugins: scene.plugins.clone(),
             ..default()
+        }
+    }
+
+    /// [`Self::of`] with apps as games run them.
+    pub fn game(scene: &Scene) -> Self {
+        Self {
+            as_game: true,
+            ..Self::of(scene)
         }
     }
 
@@ -50,8 +69,9 @@ impl Studio {
     /// The app that has the plugin, as the last [`Self::picture`] left it.
     pub fn stage(&mut self) -> &mut Stage {
         let (plugin, plugins) = (&self.plugin, &self.plugins);
+        let new = stage(self.as_game);
         self.mirrors.get_or_insert_with(|| {
-            Stage::new(|app| {
+            new(&mut |app| {
                 app.add_plugins(plugin.clone());
                 plugins.iter().for_each(|add| add(app));
             })
@@ -60,8 +80,9 @@ impl Studio {
 
     fn stock(&mut self) -> &mut Stage {
         let plugins = &self.plugins;
+        let new = stage(self.as_game);
         self.stock
-            .get_or_insert_with(|| Stage::new(|app| plugins.iter().for_each(|add| add(app))))
+            .get_or_insert_with(|| new(&mut |app| plugins.iter().for_each(|add| add(app))))
     }
 
     /// The scene with its mirrors.
