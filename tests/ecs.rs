@@ -15,6 +15,7 @@ mod ecs {
     mod log_lines;
     mod meshes;
     mod motion;
+    mod own;
     mod pairing;
     mod plugin;
     mod projection;

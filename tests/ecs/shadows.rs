@@ -1,7 +1,7 @@
 //! Where the shadows of directional lights in a mirror come from.
 
 use bevy::{
-    camera::visibility::{CascadesVisibleEntities, VisibilityRange},
+    camera::visibility::{CascadesVisibleEntities, RenderLayers, VisibilityRange},
     light::{
         CascadeShadowConfig, CascadeShadowConfigBuilder, Cascades, DirectionalLightShadowMap,
         NotShadowCaster, ShadowFilteringMethod, cascade::Cascade,
@@ -317,4 +317,42 @@ fn cascades_read(config: &CascadeShadowConfig, depth: f32) -> impl Iterator<Item
 
 fn place_in(cascade: &Cascade, point: Vec3) -> Vec3 {
     (cascade.clip_from_world * point.extend(1.0)).truncate()
+}
+
+/// A light that lights nothing here throws no shadows here.
+#[test]
+fn a_sun_that_is_hidden_or_on_other_layers_has_no_maps_of_the_mirrors_own() {
+    // Behind the camera, where its own maps end.
+    let lit = || {
+        let mut lit = Lit::new(default(), EYE);
+        lit.app.spawn_cube(4.0, vec3(0.0, 0.0, 50.0));
+        lit.app.update();
+        lit
+    };
+    assert_eq!(lit().figures(), (MirrorShadows::Own, 1));
+    let changes: [fn(&mut MirrorApp, Entity); 2] = [
+        |app, sun| app.insert(sun, Visibility::Hidden),
+        |app, sun| app.insert(sun, RenderLayers::layer(3)),
+    ];
+    for change in changes {
+        let mut lit = lit();
+        change(&mut lit.app, lit.sun);
+        lit.app.update();
+        assert_eq!(lit.figures(), (MirrorShadows::Shared, 0));
+    }
+}
+
+/// Of a view that Bevy does not see it cannot tell what is in range.
+#[test]
+fn what_is_in_range_throws_its_shadow_in_any_mirror() {
+    let mut lit = Lit::floor();
+    let caster = lit.app.spawn_cube(0.3, vec3(-0.2, 0.6, 0.0));
+    lit.choose(MirrorShadows::Own);
+    let all = lit.casters();
+    for (range, is_there) in [(100.0, true), (1.0, false)] {
+        lit.app.insert(caster, VisibilityRange::abrupt(0.0, range));
+        lit.app.update();
+        let expected = if is_there { all } else { all - 1 };
+        assert_eq!(lit.casters(), expected, "range {range}");
+    }
 }

@@ -15,7 +15,7 @@ use bevy::{
     },
     time::TimeUpdateStrategy,
     transform::TransformSystems,
-    window::{PresentMode, PrimaryWindow, WindowRef, WindowResolution},
+    window::{PresentMode, PrimaryWindow, WindowRef, WindowResized, WindowResolution},
     winit::WinitSettings,
 };
 use bevy_planar_mirror::prelude::*;
@@ -63,7 +63,7 @@ impl Plugin for Host {
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(
             1.0 / 60.0,
         )))
-        .add_systems(First, count_frames)
+        .add_systems(First, (count_frames, tell_size).chain())
         .add_systems(Last, (take_picture, leave));
         if mode != "stock" {
             app.add_plugins(PlanarMirrorPlugin::default());
@@ -119,6 +119,23 @@ struct Frame {
 fn count_frames(mut frame: ResMut<Frame>) {
     frame.number += 1;
     frame.saved = frame.saved.map(|frames| frames + 1);
+}
+
+/// As a window manager does, which Xvfb has not.
+fn tell_size(
+    frame: Res<Frame>,
+    windows: Query<Entity, With<PrimaryWindow>>,
+    mut resized: MessageWriter<WindowResized>,
+) {
+    if frame.number == 3 {
+        for window in &windows {
+            resized.write(WindowResized {
+                window,
+                width: SIZE.x as f32,
+                height: SIZE.y as f32,
+            });
+        }
+    }
 }
 
 fn take_picture(mut commands: Commands, frame: Res<Frame>) {

@@ -1,7 +1,14 @@
 //! What other plugins put into a view: drawn in the reflection where that is possible, left out with one warning
 //! where it is not, and never an error.
 
-use bevy::{camera::visibility::NoFrustumCulling, prelude::*};
+use bevy::{
+    camera::visibility::NoFrustumCulling,
+    pbr::wireframe::{WireframeConfig, WireframePlugin},
+    prelude::*,
+};
+use bevy_planar_mirror::{
+    MirrorFigures, MirrorState, MirrorStatus, PlanarMirrorPlugin, status::Projection,
+};
 
 use crate::support::{
     foreign::{Misfit, OwnPipeline, Phase, Triangle, When, add_own_pipeline},
@@ -137,6 +144,34 @@ mod gizmos {
         picture.assert_alike(&without, 0, 1.0, |at| mask.inside(at), &scene.name);
     }
 
+    /// Of a line nobody knows where it is, so the view is cut at the mirror. The status says so from
+    /// the frame on that comes after the first line.
+    #[test]
+    fn the_status_of_a_mirror_with_lines_says_that_it_is_cut() {
+        let states = |scene: &Scene| {
+            let mut live = Live::on(
+                Stage::as_games_run(|app| {
+                    app.add_plugins(PlanarMirrorPlugin::default());
+                    scene.plugins.iter().for_each(|add| add(app));
+                }),
+                scene,
+            );
+            live.settled();
+            let world = live.world();
+            let mut statuses = world.query::<&MirrorStatus>();
+            let states = statuses.iter(world).flat_map(|status| &status.cameras);
+            let states: Vec<_> = states.map(|seen| seen.state).collect();
+            let figures = &world.resource::<MirrorFigures>().views;
+            (states, figures[0].projection)
+        };
+        let plain = states(&booth("gizmo-none"));
+        assert_eq!(plain.1, Projection::Plain);
+        assert_eq!(plain.0, [MirrorState::Drawn(Projection::Plain)]);
+        let with = states(&booth("gizmo-status").plugin(|app| with_bias(app, 0.0)));
+        assert_eq!(with.1, Projection::Oblique);
+        assert_eq!(with.0, [MirrorState::Drawn(Projection::Oblique)]);
+    }
+
     /// What is behind would show beside the line, not on it.
     #[test]
     fn a_line_through_the_mirror_ends_at_it() {
@@ -155,6 +190,28 @@ mod gizmos {
         // The engine shortens lines at the near plane by a two-thousandth.
         through.assert_alike(&ending, 2, 0.999, inside, "gizmo-through");
         assert!(ending.count(is(MAGENTA)) > 30);
+    }
+}
+
+/// Lines along the edges of every triangle, in a phase of their own.
+#[test]
+fn wireframes_are_reflected() {
+    fn add(app: &mut App) {
+        app.add_plugins(WireframePlugin::default());
+        app.insert_resource(WireframeConfig {
+            global: true,
+            default_color: MAGENTA,
+            ..default()
+        });
+    }
+    for msaa in [Msaa::Off, Msaa::Sample4] {
+        let mut bare = booth(&format!("wireframes-bare-{msaa:?}"));
+        bare.msaa = msaa;
+        let mut with = bare.clone().plugin(add);
+        with.name = format!("wireframes-{msaa:?}");
+        // Lines are as thin as they can be, and round to one side or the other.
+        let share = if msaa == Msaa::Off { 0.99 } else { 0.97 };
+        assert_reflects_but_for(&bare, &with, share);
     }
 }
 

@@ -1,16 +1,18 @@
 //! Shadows in the reflection.
 
 use bevy::{
+    camera::visibility::RenderLayers,
     light::{CascadeShadowConfigBuilder, ShadowFilteringMethod},
     prelude::*,
 };
-use bevy_planar_mirror::{MirrorFigures, MirrorShadows};
+use bevy_planar_mirror::{MirrorFigures, MirrorShadows, PlanarMirrorPlugin};
 
 use super::lighting::{evening_sun, low_spot, still_life};
 use crate::support::{
     live::{Live, assert_each_seen_at_once, of},
     props::{at, lamp, lit, still_noise},
     scene::{Scene, Surface},
+    stage::Stage,
     studio::{SHARE, Studio, TOLERANCE, assert_reflects},
 };
 
@@ -323,6 +325,109 @@ fn assert_shadows_matter(scene: &Scene) {
         difference.as_ref().is_ok_and(|d| d.beyond > 30),
         "no shadow in the reflection: {difference:?}"
     );
+}
+
+/// The engine moves the map of a spot to another layer only in a frame in which the light changes.
+fn keep_spots_changing(app: &mut App) {
+    app.add_systems(Update, |mut spots: Query<&mut SpotLight>| {
+        spots.iter_mut().for_each(|mut spot| spot.set_changed());
+    });
+}
+
+/// A floor before an upright mirror, and a box on it in the light of a spot.
+fn spot_and_suns(name: &str, suns: &[(usize, f32, usize)]) -> Scene {
+    let mut scene = Scene::new(name)
+        .eye(vec3(-0.9, 0.3, 4.0), vec3(-0.2, 0.0, 0.0))
+        .mirror(Surface::wall(4.0, 3.0, Transform::default()))
+        .object(
+            Cuboid::new(8.0, 0.1, 8.0),
+            lit(Color::WHITE),
+            at(0.0, -1.2, 2.0),
+        )
+        .object(
+            Cuboid::from_length(0.6),
+            lit(Color::WHITE),
+            at(0.9, -0.5, 1.5),
+        )
+        .prop((
+            SpotLight {
+                shadow_maps_enabled: true,
+                intensity: 2e6,
+                ..default()
+            },
+            at(0.5, 3.0, 1.5).looking_at(vec3(0.9, -1.2, 1.5), Vec3::Z),
+        ))
+        .plugin(keep_spots_changing);
+    for &(cascades, far, layer) in suns {
+        scene = scene.prop((
+            DirectionalLight {
+                shadow_maps_enabled: true,
+                illuminance: 800.0,
+                ..default()
+            },
+            CascadeShadowConfigBuilder {
+                num_cascades: cascades,
+                first_cascade_far_bound: 0.3 * far,
+                maximum_distance: far,
+                ..default()
+            }
+            .build(),
+            RenderLayers::layer(layer),
+            Transform::default().looking_to(vec3(0.3, -1.0, -0.2), Vec3::Y),
+        ));
+    }
+    scene.mirrors[0].mirror.shadows = MirrorShadows::Own;
+    scene.size = UVec2::new(120, 90);
+    scene
+}
+
+/// The spot's map lies behind the cascades of the camera that has most of them in this frame.
+#[test]
+fn a_spots_shadow_stays_when_a_camera_with_more_cascades_is_switched_off() {
+    let scene = spot_and_suns("camera-switch", &[(1, 20.0, 0), (4, 20.0, 1)])
+        .with_camera(RenderLayers::layer(0));
+    let live = || {
+        let stage = Stage::as_games_run(|app| {
+            app.add_plugins(PlanarMirrorPlugin::default());
+            keep_spots_changing(app);
+        });
+        Live::on(stage, &scene)
+    };
+    let expected = live().settled();
+    let mut live = live();
+    let size = live.size;
+    let target = live.stage.target(size);
+    let other = live.world().spawn((
+        scene.camera_bundle(),
+        bevy::camera::RenderTarget::from(target),
+        scene.eye,
+        RenderLayers::from_layers(&[0, 1]),
+    ));
+    let other = other.id();
+    for _ in 0..4 {
+        live.next();
+    }
+    let mut camera = live.world().get_mut::<Camera>(other).expect("it is one");
+    camera.is_active = false;
+    for _ in 0..3 {
+        live.next();
+    }
+    live.next().assert_same(&expected, "camera-switch");
+}
+
+/// Of the first there is nothing to draw. The maps of the second lie behind the layers that it would
+/// have.
+#[test]
+fn the_maps_of_one_sun_lie_right_where_anothers_end_before_what_is_seen() {
+    for suns in [
+        [(3, 2.0, 0), (2, 20.0, 0)],
+        [(2, 20.0, 0), (3, 2.0, 0)],
+        [(3, 20.0, 1), (2, 20.0, 0)],
+    ] {
+        let scene = spot_and_suns(&format!("two-suns-{}", suns[0].1), &suns);
+        assert_shadows_matter(&scene);
+        Studio::of(&scene).assert_reflects(&scene);
+    }
 }
 
 /// What is seen in it is lit as if the sun threw no shadows; the scene keeps them.

@@ -9,7 +9,7 @@ use crate::support::{
     live::{Live, find, of},
     mask::Mask,
     picture::Picture,
-    props::{BLUE, GREEN, MAGENTA, RED, YELLOW, at, glass},
+    props::{BLUE, GREEN, MAGENTA, RED, YELLOW, at},
     scene::{Scene, Surface},
     stage::Stage,
     studio::Studio,
@@ -149,10 +149,15 @@ fn something_new_takes_nothing_away_from_the_reflection() {
         let mesh = world
             .resource_mut::<Assets<Mesh>>()
             .add(Cuboid::from_length(0.5));
-        let pane = world
+        let material = world
             .resource_mut::<Assets<StandardMaterial>>()
-            .add(glass(YELLOW, 0.6));
-        world.spawn((Mesh3d(mesh), MeshMaterial3d(pane), at(0.5, 0.3, 0.8)));
+            .add(StandardMaterial {
+                base_color: YELLOW,
+                unlit: true,
+                cull_mode: None,
+                ..default()
+            });
+        world.spawn((Mesh3d(mesh), MeshMaterial3d(material), at(0.5, 0.3, 0.8)));
     };
     add(live.world());
     let pictures = frames(&mut live);

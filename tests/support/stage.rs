@@ -291,7 +291,9 @@ impl Stage {
 
     /// Steps until no pipeline waits and the picture stands still, and reads it.
     pub fn settle(&mut self, target: &Handle<Image>, size: UVec2) -> Result<Picture, NoPicture> {
-        let mut last = None;
+        // Where pipelines come late, so does what the GPU counts, as the lamps in a cluster.
+        let enough = if self.published.is_some() { 5 } else { 1 };
+        let (mut last, mut same) = (None, 0);
         // Assets, extraction and retained phases take a few updates to come through.
         for _ in 0..3 {
             self.frame();
@@ -302,7 +304,12 @@ impl Stage {
                 .read(target, size)
                 .ok()
                 .filter(|_| self.waiting_pipelines() == 0);
-            if now.is_some() && now == last {
+            same = if now.is_some() && now == last {
+                same + 1
+            } else {
+                0
+            };
+            if same == enough {
                 return now.ok_or(NoPicture::Missing);
             }
             last = now;

@@ -2,7 +2,7 @@
 
 use bevy::{
     asset::RenderAssetUsages,
-    mesh::{Indices, PrimitiveTopology},
+    mesh::{Indices, PrimitiveTopology, morph::MeshMorphWeights, skinning::SkinnedMesh},
     prelude::*,
 };
 use bevy_planar_mirror::{MirrorPlane, NotDrawn, PlanarMirror};
@@ -43,6 +43,18 @@ fn mesh_not_in_main_world() {
         app.update();
         app.assert_state(mirror, camera, PLAIN);
     }
+}
+
+#[test]
+fn mesh_deforms() {
+    let (mut app, mirror, camera) = pair();
+    app.insert(mirror, SkinnedMesh::default());
+    assert_only(&mut app, mirror, camera, NotDrawn::MeshDeforms);
+    app.remove::<SkinnedMesh>(mirror);
+    app.update();
+    app.assert_state(mirror, camera, PLAIN);
+    app.insert(mirror, MeshMorphWeights::Value { weights: vec![0.5] });
+    assert_only(&mut app, mirror, camera, NotDrawn::MeshDeforms);
 }
 
 fn triangles(positions: Vec<[f32; 3]>) -> Mesh {

@@ -1,9 +1,14 @@
 //! Reasons that lie in where the mirror is seen from, or by whom.
 
 use bevy::{
-    camera::{RenderTarget, visibility::RenderLayers},
-    core_pipeline::prepass::DeferredPrepass,
+    camera::{
+        RenderTarget,
+        visibility::{RenderLayers, VisibilityRange},
+    },
+    core_pipeline::{prepass::DeferredPrepass, schedule::Core3d},
+    ecs::schedule::ScheduleLabel,
     prelude::*,
+    render::camera::CameraRenderGraph,
 };
 use bevy_planar_mirror::{NotDrawn, PlanarMirror};
 
@@ -34,8 +39,17 @@ fn no_target() {
         EYE,
         RenderTarget::None { size: UVec2::ZERO },
     ));
+    // One for the sake of what it finds visible.
+    let blind = app.spawn((
+        Camera3d::default(),
+        EYE,
+        RenderTarget::None {
+            size: UVec2::splat(64),
+        },
+    ));
     app.updates(2);
     app.assert_state(mirror, windowless, not(NotDrawn::NoTarget));
+    app.assert_state(mirror, blind, not(NotDrawn::NoTarget));
     app.assert_state(mirror, empty, not(NotDrawn::NoTarget));
     assert_eq!(app.views(), app.views_of(camera));
 }
@@ -48,6 +62,34 @@ fn deferred_camera() {
     app.remove::<DeferredPrepass>(camera);
     app.update();
     app.assert_state(mirror, camera, PLAIN);
+}
+
+#[test]
+fn other_render_graph() {
+    #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+    struct Mine;
+
+    let (mut app, mirror, camera) = pair();
+    app.insert(camera, CameraRenderGraph::new(Mine));
+    assert_blind(&mut app, mirror, camera, NotDrawn::OtherRenderGraph);
+    app.insert(camera, CameraRenderGraph::new(Core3d));
+    app.update();
+    app.assert_state(mirror, camera, PLAIN);
+}
+
+#[test]
+fn out_of_range() {
+    let (mut app, mirror, camera) = pair();
+    // The eye is five units away.
+    for (range, is_there) in [(0.0..4.9, false), (5.1..9.0, false), (4.9..5.1, true)] {
+        app.insert(mirror, VisibilityRange::abrupt(range.start, range.end));
+        if is_there {
+            app.update();
+            app.assert_state(mirror, camera, PLAIN);
+        } else {
+            assert_only(&mut app, mirror, camera, NotDrawn::OutOfRange);
+        }
+    }
 }
 
 #[test]
