@@ -40,7 +40,9 @@
 //! # What lies over the reflection
 //!
 //! Without a material, or with an opaque one, the mesh is a perfect mirror. A material that blends
-//! is drawn over the reflection by its own formula: here, half floor and half reflection.
+//! is drawn over the reflection by its own formula: here, half floor and half reflection. Where a
+//! material with `AlphaMode::Mask` has holes, the mirror has them too. A mirror with a
+//! `VisibilityRange` fades and goes with it.
 //!
 //! ```
 //! # use bevy::prelude::*;
@@ -86,6 +88,26 @@
 //! | nothing from one side | the front: turn the mesh around, or give [`MirrorPlane::Local`] a normal |
 //! | a mirror that hides all behind it | that is what it does; a surface to see through is not done yet |
 //! | no reflection in one camera | [`NoMirrors`] on it, its `RenderLayers`, deferred rendering |
+//! | no reflection in the first frames | pipelines are compiled in the background; the mesh shows plain until all that its reflection needs is ready |
+//! | an object cut off or missing in the mirror | its bounds: see below |
+//!
+//! # Objects that leave their bounds
+//!
+//! Bevy finds what a camera sees by each object's bounds, its `Aabb`. A mirror uses them also to
+//! leave out what lies behind it, and to find out whether something crosses it and must be cut.
+//! Bounds that do not follow the mesh would be wrong there.
+//!
+//! - Meshes with morph targets, and skinned meshes without `DynamicSkinnedMeshBounds`, may be
+//!   anywhere near their bounds. They are drawn and cut wherever they are.
+//! - If a vertex shader of yours moves a mesh out of its bounds, put `NoFrustumCulling` on it. It
+//!   then may be anywhere, for the camera and for mirrors.
+//! - Meshes with `NoCpuCulling` may be anywhere.
+//!
+//! A mirror that shows such an object is cut at its plane in every frame, and draws shadow maps of
+//! its own.
+//!
+//! A shader may build a billboard from the view's own axes. It turns to the eye in the mirror too:
+//! the axes of a reflected view have the same handedness as those of any view.
 //!
 //! # What it costs
 //!
@@ -136,16 +158,25 @@
 //! ```
 //!
 //! Your systems never meet the plugin's own views: `Single<&Camera3d>`, picking and the camera of
-//! the UI are what they would be without it, and no component of yours is edited. The plugin works
-//! in `PostUpdate`, after transforms are propagated, so a mirror and a camera that move are seen
-//! where they are in this very frame. To order systems of yours against it, see [`MirrorSystems`].
+//! the UI are what they would be without it, and no component of yours is edited. Components that
+//! your app requires of every camera, or inserts from an observer, are taken off the views again.
+//! There are three ways to meet a view all the same: an observer of new cameras is told of it, a
+//! query with `Allow<Disabled>` finds it, and systems in `ExtractSchedule` see it as a camera to
+//! draw. And on a device that cannot sort lights into clusters on the GPU, Bevy must see the views
+//! while it does so on the CPU: a system in `PostUpdate` that is not ordered against
+//! `SimulationLightSystems::AssignLightsToClusters` may meet them then.
+//!
+//! The plugin works in `PostUpdate`, after transforms are propagated, so a mirror and a camera that
+//! move are seen where they are in this very frame. To order systems of yours against it, see
+//! [`MirrorSystems`].
 //!
 //! # How it works
 //!
 //! 1. The plane is fitted to the mesh, in `f64`: [`math::fit_patch`].
 //! 2. For each camera that sees the front of it, past the walls before it, there is a *reflected
 //!    view*: the camera, reflected about the plane, with the same projection and without a target
-//!    of its own. Bevy finds what is visible from there, and sorts and batches it as for any view.
+//!    of its own. What is visible from there is found by Bevy's own rules, and Bevy sorts and batches
+//!    it as for any view.
 //! 3. What lies wholly behind the plane is dropped. If something crosses the plane, the view's near
 //!    plane is moved onto it ([`math::with_oblique_near_plane`]), which cuts it there.
 //! 4. Between the camera's opaque and transparent passes, the *mirror pass* draws the mesh into a
@@ -174,9 +205,12 @@
 //! - A camera that renders deferred sees no mirrors, and the status says so.
 //! - The reflection is sharp: there is no roughness and no blur.
 //! - What screen-space effects and temporal filters read of a mirror's pixels, depth, normals and
-//!   motion, is that of its surface and not of what is reflected.
-//! - Of what is not a mesh, a skybox or a phase item, as `Atmosphere` or volumetric fog, nothing
-//!   shows in a reflection.
+//!   motion, is that of its surface and not of what is reflected. Screen-space ambient occlusion
+//!   and contact shadows come before that: at a mirror's edge they see what is behind it.
+//! - Of what is not a mesh, a skybox or an item in one of Bevy's 3D phases nothing shows in a
+//!   reflection: not the sky and the haze of an `Atmosphere`, nor volumetric fog, nor a phase of
+//!   another plugin's own. Of Bevy's own additional phases wireframes do show.
+//! - With order independent transparency, what blends in a reflection is sorted by distance.
 //! - The reflection has no depth prepass: forward decals, contact shadows and ambient occlusion are
 //!   left out of it, and a material that reads a prepass without asking for one fails to compile.
 //! - While something crosses the plane, an orthographic camera's reflection has its highlights in

@@ -31,7 +31,8 @@ pub struct CameraStatus {
 #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Clone, Debug, PartialEq)]
 pub enum MirrorState {
-    /// Its reflection is drawn.
+    /// Its reflection is drawn. In the first frames after it comes into view, until its pipelines are
+    /// compiled, the scene is drawn as if the entity were no mirror.
     Drawn(Projection),
     /// It is not, and the scene is drawn as if the entity were no mirror.
     NotDrawn(NotDrawn),
@@ -44,6 +45,9 @@ pub enum Projection {
     /// The camera's own: nothing crosses the plane.
     Plain,
     /// With its near plane on the mirror.
+    ///
+    /// Other plugins may put items into a reflection of which nobody knows where they are, such as
+    /// gizmos. The reflection is then drawn so in the same frame, and the status says so in the next.
     Oblique,
 }
 

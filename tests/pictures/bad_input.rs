@@ -127,7 +127,7 @@ fn a_bad_mirror_does_not_disturb_a_good_one() {
 /// For input of which the engine itself reports errors.
 #[track_caller]
 fn assert_no_mirror_and_no_other_errors(scene: &Scene, spoil: impl Fn(&mut Live)) {
-    let [with, without] = [Live::new(scene), Live::plain(Stage::stock(), scene)].map(|mut live| {
+    let [with, without] = [Live::in_reach(scene), Live::plain(Stage::stock(), scene)].map(|mut live| {
         spoil(&mut live);
         let errors: Vec<_> = (0..5)
             .filter_map(|_| live.stage.try_frame(App::update).err())
@@ -160,7 +160,7 @@ fn a_viewport_without_pixels_is_what_it_is_without_mirrors() {
 #[test]
 fn a_camera_that_is_nowhere_disturbs_no_other() {
     let scene = hall("nowhere");
-    let alone = Live::new(&scene).settled();
+    let alone = Live::in_reach(&scene).settled();
     for place in [at(f32::NAN, 0.0, 0.0), at(0.0, f32::INFINITY, 0.0)] {
         let nowhere = |mut live: Live| {
             let target = live.stage.target(scene.size);
@@ -169,7 +169,7 @@ fn a_camera_that_is_nowhere_disturbs_no_other() {
             let beside = live.settled();
             (beside, live.stage.read(&target, scene.size))
         };
-        let (beside, shown) = nowhere(Live::new(&scene));
+        let (beside, shown) = nowhere(Live::in_reach(&scene));
         beside.assert_same(&alone, "beside-nowhere");
         let (_, plain) = nowhere(Live::plain(Stage::stock(), &scene));
         assert_eq!(shown, plain, "at {}", place.translation);
@@ -188,7 +188,7 @@ fn without_a_depth_of_32_bits_beside_the_stencil_24_do() {
         app.add_plugins(PlanarMirrorPlugin::default());
     });
     let coarse = Live::on(stage, &scene).settled();
-    let fine = Live::new(&scene).settled();
+    let fine = Live::in_reach(&scene).settled();
     coarse.assert_alike(&fine, 2, 0.999, |_| true, "depth24");
 }
 
@@ -210,7 +210,7 @@ fn more_mirrors_than_may_be_drawn() {
             Transform::from_translation(place),
         ));
     }
-    let mut live = Live::new(&scene);
+    let mut live = Live::in_reach(&scene);
     live.stage.frame();
     live.stage.frame();
     let world = live.world();

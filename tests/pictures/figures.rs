@@ -41,7 +41,7 @@ fn figures_count_the_draw_calls() {
     let scene = things().lens(|camera| {
         camera.insert(NoIndirectDrawing);
     });
-    let mut live = Live::new(&scene);
+    let mut live = Live::in_reach(&scene);
     let (view, drawn) = figures(&mut live);
     assert_eq!((view.objects, drawn.draws), (5, 5));
     assert!(drawn.time > Duration::ZERO);
@@ -62,7 +62,7 @@ fn figures_count_the_draw_calls() {
 /// Several batches may be one call, but what blends is drawn one after the other.
 #[test]
 fn figures_count_many_batches_of_one_call_once() {
-    let mut live = Live::new(&things());
+    let mut live = Live::in_reach(&things());
     let (view, drawn) = figures(&mut live);
     assert_eq!(view.objects, 5);
     assert!((3..=5).contains(&drawn.draws), "{drawn:?}");
@@ -71,7 +71,7 @@ fn figures_count_many_batches_of_one_call_once() {
 /// Nothing is known of a view that was never drawn, and nothing is forgotten of one that was.
 #[test]
 fn figures_know_what_it_took_since_the_first_time() {
-    let mut live = Live::new(&things());
+    let mut live = Live::in_reach(&things());
     let drawn = |live: &mut Live| {
         live.stage.frame();
         let figures = live.world().resource::<MirrorFigures>();
