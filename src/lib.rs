@@ -212,7 +212,8 @@
 //!   another plugin's own. Of Bevy's own additional phases wireframes do show.
 //! - With order independent transparency, what blends in a reflection is sorted by distance.
 //! - The reflection has no depth prepass: forward decals, contact shadows and ambient occlusion are
-//!   left out of it, and a material that reads a prepass without asking for one fails to compile.
+//!   left out of it, and so is, with a warning, a material that reads a prepass without asking
+//!   whether there is one by `#ifdef DEPTH_PREPASS`.
 //! - While something crosses the plane, an orthographic camera's reflection has its highlights in
 //!   the wrong place: the engine reads the direction of such a view from the depth row, which then
 //!   is the mirror's. Nor does the camera's far plane cut what crosses it, since there is no depth

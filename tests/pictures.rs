@@ -5,6 +5,7 @@
 mod support;
 
 mod pictures {
+    mod atmosphere;
     mod bad_input;
     mod behind;
     mod billboards;

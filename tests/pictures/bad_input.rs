@@ -127,13 +127,14 @@ fn a_bad_mirror_does_not_disturb_a_good_one() {
 /// For input of which the engine itself reports errors.
 #[track_caller]
 fn assert_no_mirror_and_no_other_errors(scene: &Scene, spoil: impl Fn(&mut Live)) {
-    let [with, without] = [Live::in_reach(scene), Live::plain(Stage::stock(), scene)].map(|mut live| {
-        spoil(&mut live);
-        let errors: Vec<_> = (0..5)
-            .filter_map(|_| live.stage.try_frame(App::update).err())
-            .collect();
-        (errors, live.stage.read(&live.target, live.size))
-    });
+    let [with, without] =
+        [Live::in_reach(scene), Live::plain(Stage::stock(), scene)].map(|mut live| {
+            spoil(&mut live);
+            let errors: Vec<_> = (0..5)
+                .filter_map(|_| live.stage.try_frame(App::update).err())
+                .collect();
+            (errors, live.stage.read(&live.target, live.size))
+        });
     assert_eq!(with.0, without.0, "{}", scene.name);
     assert!(with.1 == without.1, "{}: another picture", scene.name);
 }

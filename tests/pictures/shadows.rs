@@ -419,10 +419,7 @@ fn a_spots_shadow_stays_when_a_camera_with_more_cascades_is_switched_off() {
 /// have.
 #[test]
 fn the_maps_of_one_sun_lie_right_where_anothers_end_before_what_is_seen() {
-    for suns in [
-        [(3, 2.0, 0), (2, 20.0, 0)],
-        [(2, 20.0, 0), (3, 2.0, 0)],
-    ] {
+    for suns in [[(3, 2.0, 0), (2, 20.0, 0)], [(2, 20.0, 0), (3, 2.0, 0)]] {
         let scene = spot_and_suns(&format!("two-suns-{suns:?}"), &suns);
         assert_shadows_matter(&scene);
         Studio::of(&scene).assert_reflects(&scene);
