@@ -215,12 +215,12 @@ impl SpecializedMeshPipeline for MirrorPipelines {
         let is_cut_out = key.shape.is_cut_out;
         let reads_depth = matches!(key.draw, SurfaceDraw::Mask | SurfaceDraw::PrepassDepth);
         let (label, vertex, fragment) = match key.draw {
-            SurfaceDraw::Mask => ("mask", "near_vertex", "mask_fragment"),
+            SurfaceDraw::Mask => ("mask", "near_vertex", "seen_fragment"),
             SurfaceDraw::InnerMask => ("inner_mask", "near_vertex", "empty_fragment"),
             SurfaceDraw::InnerHoles => ("inner_holes", "far_vertex", "empty_fragment"),
             SurfaceDraw::Restore => ("restore", "far_vertex", "empty_fragment"),
             SurfaceDraw::Depth(_) => ("depth", "far_vertex", "empty_fragment"),
-            SurfaceDraw::PrepassDepth => ("prepass_depth", "far_vertex", "prepass_depth_fragment"),
+            SurfaceDraw::PrepassDepth => ("prepass_depth", "far_vertex", "seen_fragment"),
         };
         descriptor.label = Some(format!("planar_mirror_{label}").into());
         descriptor.vertex.entry_point = Some(vertex.into());
@@ -255,15 +255,13 @@ impl SpecializedMeshPipeline for MirrorPipelines {
                 defs.push(name.into());
             }
         };
-        let has_other_side = match key.draw {
-            SurfaceDraw::Mask => is_cut_out,
-            draw => draw == SurfaceDraw::PrepassDepth,
-        };
-        define("MASK", key.draw == SurfaceDraw::Mask);
-        define("PREPASS_DEPTH", key.draw == SurfaceDraw::PrepassDepth);
+        let is_far_side = key.draw == SurfaceDraw::PrepassDepth;
+        let cuts_out = key.draw == SurfaceDraw::Mask && is_cut_out;
         define("READS_DEPTH", reads_depth);
         define("MULTISAMPLED", reads_depth && is_multisampled);
-        define("HAS_OTHER_SIDE", has_other_side);
+        define("HAS_OTHER_SIDE", is_far_side || cuts_out);
+        define("IS_FAR_SIDE", is_far_side);
+        define("CUT_OUT", cuts_out);
         define("FADES", key.shape.fades);
         let no_color = ColorTargetState {
             format: pass.color,
@@ -293,7 +291,9 @@ impl SpecializedMeshPipeline for MirrorPipelines {
         }
         descriptor.vertex.shader_defs = defs.clone();
         fragment.shader_defs = defs;
-        descriptor.fragment = Some(fragment);
+        let is_depth_alone =
+            matches!(key.draw, SurfaceDraw::Depth(colors) if !colors.any()) && !key.shape.fades;
+        descriptor.fragment = (!is_depth_alone).then_some(fragment);
         Ok(descriptor)
     }
 }

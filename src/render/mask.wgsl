@@ -120,64 +120,35 @@ fn is_faded(place: vec2<f32>, level: i32) -> bool {
 #endif
 
 #ifdef READS_DEPTH
-// What the camera has drawn in this place.
-fn seen_depth(place: vec2<f32>, sample: u32) -> f32 {
-#ifdef MULTISAMPLED
-    return textureLoad(main_depth, vec2<i32>(place), i32(sample));
-#else
-    return textureLoad(main_depth, vec2<i32>(place), 0);
-#endif
-}
-#endif
-
-#ifdef MASK
-// Keeps the mask off what the camera sees in front of the mirror, sample by sample. And off the
-// holes of a material that cuts some out: there the camera sees something behind the surface.
+// Keeps off what the camera sees in front of the mirror, sample by sample: the mask, and the depth
+// of the prepass, which may lack it. And keeps the mask off the holes of a material that cuts some
+// out: there the camera sees something behind the surface.
 @fragment
-fn mask_fragment(
+fn seen_fragment(
     in: Surface,
 #ifdef MULTISAMPLED
     @builtin(sample_index) sample: u32,
 #endif
 ) {
 #ifdef MULTISAMPLED
-    let seen = seen_depth(in.position.xy, sample);
+    let seen = textureLoad(main_depth, vec2<i32>(in.position.xy), i32(sample));
 #else
-    let seen = seen_depth(in.position.xy, 0u);
+    let seen = textureLoad(main_depth, vec2<i32>(in.position.xy), 0);
 #endif
-    if in.position.z < seen {
-        discard;
-    }
-#ifdef HAS_OTHER_SIDE
-    if seen < in.other_z * in.position.w {
-        discard;
-    }
-#endif
-#ifdef FADES
-    if is_faded(in.position.xy, in.fade) {
-        discard;
-    }
-#endif
-}
-#endif
-
-#ifdef PREPASS_DEPTH
-// For the depth of the prepass, which may lack what hides the mirror in the picture.
-@fragment
-fn prepass_depth_fragment(
-    in: Surface,
-#ifdef MULTISAMPLED
-    @builtin(sample_index) sample: u32,
-#endif
-) {
-#ifdef MULTISAMPLED
-    let seen = seen_depth(in.position.xy, sample);
+#ifdef IS_FAR_SIDE
+    let near_side = in.other_z * in.position.w;
 #else
-    let seen = seen_depth(in.position.xy, 0u);
+    let near_side = in.position.z;
 #endif
-    if in.other_z * in.position.w < seen {
+    if near_side < seen {
         discard;
     }
+#ifdef CUT_OUT
+    let far_side = in.other_z * in.position.w;
+    if seen < far_side {
+        discard;
+    }
+#endif
 #ifdef FADES
     if is_faded(in.position.xy, in.fade) {
         discard;

@@ -12,7 +12,7 @@ use glam::{DAffine3, DMat4, DVec2};
 use super::{
     Decision, MirrorLimits, ReflectedView, ReflectedViews,
     cover::Walls,
-    sight::{MirrorInput, Sight, Viewer},
+    sight::{MirrorInput, Sight, UnusualMirrors, Viewer},
 };
 use crate::{math::Opening, mirror::NoMirrors, status::NotDrawn};
 
@@ -52,6 +52,7 @@ pub struct UserCamera {
 pub fn decide_reflected_views(
     cameras: Query<UserCamera, (With<Camera3d>, Without<NoMirrors>, Without<ReflectedView>)>,
     mirrors: Query<MirrorInput>,
+    unusual: UnusualMirrors,
     walls: Walls,
     limits: Res<MirrorLimits>,
     mut camera_inputs: Local<Vec<CameraInput>>,
@@ -98,6 +99,7 @@ pub fn decide_reflected_views(
         let viewer = Viewer {
             can_draw: views.can_draw,
             camera,
+            unusual: &unusual,
             default_layers: &default_layers,
             view: camera.view,
             walls: Some(&walls),
@@ -124,6 +126,7 @@ pub fn decide_reflected_views(
                 let viewer = Viewer {
                     can_draw: views.can_draw,
                     camera,
+                    unusual: &unusual,
                     default_layers: &default_layers,
                     view: camera.view.map(|view| CameraView {
                         world_from_view: outer.plan.world_from_view,

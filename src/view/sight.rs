@@ -5,7 +5,7 @@ use bevy::{
         primitives::Aabb,
         visibility::{InheritedVisibility, RenderLayers, VisibilityRange},
     },
-    ecs::{prelude::*, query::QueryData},
+    ecs::{prelude::*, query::QueryData, system::SystemParam},
     mesh::{morph::MeshMorphWeights, skinning::SkinnedMesh},
     platform::collections::HashMap,
     transform::components::GlobalTransform,
@@ -36,11 +36,49 @@ pub struct MirrorInput {
     place: &'static MirrorPlace,
     visibility: &'static InheritedVisibility,
     layers: Option<&'static RenderLayers>,
-    transform: &'static GlobalTransform,
-    bounds: Option<&'static Aabb>,
-    range: Option<&'static VisibilityRange>,
-    is_skinned: Has<SkinnedMesh>,
-    is_morphed: Has<MeshMorphWeights>,
+}
+
+/// Mirrors that are not simply there. Most scenes have none, and need not look.
+#[derive(SystemParam)]
+pub struct UnusualMirrors<'w, 's> {
+    ranged: Query<
+        'w,
+        's,
+        (
+            &'static VisibilityRange,
+            &'static GlobalTransform,
+            Option<&'static Aabb>,
+        ),
+        With<PlanarMirror>,
+    >,
+    deforming: Query<
+        'w,
+        's,
+        (),
+        (
+            With<PlanarMirror>,
+            Or<(With<SkinnedMesh>, With<MeshMorphWeights>)>,
+        ),
+    >,
+}
+
+impl UnusualMirrors<'_, '_> {
+    /// Whether a mirror is a flat mesh that moves with its transform alone, and in range of an eye.
+    fn check(&self, mirror: Entity, eye: Option<DVec3>) -> Result<(), NotDrawn> {
+        if !self.deforming.is_empty() && self.deforming.contains(mirror) {
+            return Err(NotDrawn::MeshDeforms);
+        }
+        if !self.ranged.is_empty()
+            && let Some(eye) = eye
+            && let Ok((range, transform, bounds)) = self.ranged.get(mirror)
+        {
+            let center = range_center(range, transform, bounds);
+            if range.is_culled(eye.as_vec3a().distance(center)) {
+                return Err(NotDrawn::OutOfRange);
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Who looks, and through what.
@@ -48,6 +86,7 @@ pub struct Viewer<'a> {
     /// Whether there is a renderer.
     pub can_draw: bool,
     pub camera: &'a CameraInput,
+    pub unusual: &'a UnusualMirrors<'a, 'a>,
     /// Those of mirrors without any.
     pub default_layers: &'a RenderLayers,
     /// Where it looks from, if that is known.
@@ -268,17 +307,9 @@ impl Viewer<'_> {
         if !self.camera.layers.intersects(layers) {
             return Err(NotDrawn::OtherLayers);
         }
-        if mirror.is_skinned || mirror.is_morphed {
-            return Err(NotDrawn::MeshDeforms);
-        }
+        let eye = self.view.ok().map(|view| view.world_from_view.translation);
+        self.unusual.check(mirror.entity, eye)?;
         let (plane, corners) = mirror.place.0?;
-        if let (Ok(view), Some(range)) = (self.view, mirror.range) {
-            let center = range_center(range, mirror.transform, mirror.bounds);
-            let eye = view.world_from_view.translation.as_vec3a();
-            if range.is_culled(eye.distance(center)) {
-                return Err(NotDrawn::OutOfRange);
-            }
-        }
         let was_drawn = self.view_of(mirror.entity).is_some();
         self.plan_quad(plane, corners, was_drawn)
     }

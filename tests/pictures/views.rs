@@ -7,13 +7,17 @@ use bevy::{
         visibility::RenderLayers,
     },
     prelude::*,
-    render::{Render, RenderApp, RenderSystems, camera::ExtractedCamera},
+    render::{
+        Render, RenderApp, RenderSystems,
+        camera::{ExtractedCamera, TemporalJitter},
+    },
 };
-use bevy_planar_mirror::{MirrorState, NoMirrors, NotDrawn};
+use bevy_planar_mirror::{MirrorState, NoMirrors, NotDrawn, PlanarMirrorPlugin};
 
 use super::cameras::states;
 use crate::support::{
     hall::{hall, sunny_hall},
+    live::Live,
     picture::Picture,
     props::{GREEN, MAGENTA, RED, YELLOW, at, is, lamp},
     scene::{Look, Scene, Surface},
@@ -360,4 +364,61 @@ fn a_mirror_on_other_layers_than_the_camera_is_none() {
         states(studio.stage()),
         [MirrorState::NotDrawn(NotDrawn::OtherLayers)]
     );
+}
+
+/// An upscaler tells the renderer to draw fewer pixels than the viewport has, and moves the picture by
+/// parts of these: the reflection has to move along.
+#[test]
+fn the_resolution_of_an_upscaler_goes_for_the_reflection_too() {
+    #[derive(Resource)]
+    struct Upscaled(Option<UVec2>);
+
+    fn upscale(
+        mut commands: Commands,
+        mut cameras: Query<(Entity, &ExtractedCamera, &mut TemporalJitter)>,
+        upscaled: Res<Upscaled>,
+    ) {
+        for (entity, camera, mut jitter) in &mut cameras {
+            if camera.target.is_none() {
+                continue;
+            }
+            jitter.offset = vec2(0.25, -0.125);
+            let mut camera = commands.entity(entity);
+            match upscaled.0 {
+                Some(size) => camera.insert(MainPassResolutionOverride(size)),
+                None => camera.remove::<MainPassResolutionOverride>(),
+            };
+        }
+    }
+
+    let stage = Stage::new(|app| {
+        app.add_plugins(PlanarMirrorPlugin::default());
+        app.sub_app_mut(RenderApp)
+            .insert_resource(Upscaled(None))
+            .add_systems(Render, upscale.in_set(RenderSystems::PrepareViews));
+    });
+    let scene = super::foreign::booth("upscaled").with_camera(TemporalJitter::default());
+    let mut live = Live::on(stage, &scene);
+    for size in [
+        None,
+        Some(UVec2::new(60, 45)),
+        Some(UVec2::new(80, 60)),
+        None,
+    ] {
+        live.stage.render_world().insert_resource(Upscaled(size));
+        for _ in 0..3 {
+            live.stage.frame();
+        }
+        let world = live.stage.render_world();
+        let mut views = world.query::<(
+            &ExtractedCamera,
+            &TemporalJitter,
+            Option<&MainPassResolutionOverride>,
+        )>();
+        let seen: Vec<_> = views
+            .iter(world)
+            .map(|(_, jitter, size)| (jitter.offset, size.map(|size| size.0)))
+            .collect();
+        assert_eq!(seen, [(vec2(0.25, -0.125), size); 2]);
+    }
 }
