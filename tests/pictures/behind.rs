@@ -220,7 +220,7 @@ fn glass_before_and_behind_a_mirror_is_as_ever_with_order_independent_transparen
     let sorted = Studio::game(&scene("glass")).picture(&scene("glass"));
     let oit = OrderIndependentTransparencySettings::default();
     for with in [
-        scene("oit").with_camera(oit.clone()),
+        scene("oit").with_camera(oit),
         scene("oit-prepass").with_camera((oit, DepthPrepass)),
     ] {
         let picture = Studio::game(&with).picture(&with);
