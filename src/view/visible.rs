@@ -25,6 +25,7 @@ use bevy::{
     light::cluster::ClusterVisibilityClass,
     mesh::{morph::MeshMorphWeights, skinning::SkinnedMesh},
     pbr::decal::ForwardDecal,
+    tasks::ComputeTaskPool,
     transform::components::GlobalTransform,
     utils::{Parallel, TypeIdMap},
 };
@@ -35,6 +36,9 @@ use super::{
     bounds::WorldBox,
     clip::{Cut, Seen},
 };
+
+/// So many objects are worth to be looked at by several threads.
+const MANY: usize = 1024;
 
 /// An object, as far as it matters to whether it shows.
 #[derive(QueryData)]
@@ -91,6 +95,7 @@ pub fn see_reflected_views(
     mut sides: Local<Vec<DVec4>>,
 ) {
     let any_gpu_culled = !all.gpu_culled.is_empty();
+    let by_many = all.objects.iter().len() >= MANY && ComputeTaskPool::try_get().is_some();
     let ReflectedViews {
         planned,
         surfaces,
@@ -116,10 +121,17 @@ pub fn see_reflected_views(
             own: &own,
             cut: Cut::new(planned, own.len(), camera, live.was_cut, &mut sides),
         };
-        all.objects.par_iter_mut().for_each_init(
-            || threads.borrow_local_mut(),
-            |found, object| eye.look_at(object, found),
-        );
+        if by_many {
+            all.objects.par_iter_mut().for_each_init(
+                || threads.borrow_local_mut(),
+                |found, object| eye.look_at(object, found),
+            );
+        } else {
+            let mut found = threads.borrow_local_mut();
+            for object in &mut all.objects {
+                eye.look_at(object, &mut found);
+            }
+        }
         visible.clear_all();
         let mut seen = Seen::default();
         let mut count = 0;

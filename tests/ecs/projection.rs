@@ -273,3 +273,29 @@ fn levels_of_detail_hold_in_the_mirror() {
         assert_eq!(ground.app.visible_to(ground.camera).contains(&cube), seen);
     }
 }
+
+/// Of many objects several threads look for those that show.
+#[test]
+fn what_shows_is_the_same_among_many_objects() {
+    let seen = |more: bool| {
+        let mut ground = Ground::new();
+        let spawn = |ground: &mut Ground, y: f32| -> Vec<Entity> {
+            let places = (0..600).map(|i| ((i % 30) as f32, (i / 30) as f32));
+            let places = places.map(|(x, z)| vec3(0.2 * x - 3.0, y, 0.2 * z - 2.0));
+            places
+                .map(|place| ground.app.spawn_cube(0.1, place))
+                .collect()
+        };
+        let cubes = spawn(&mut ground, 0.3);
+        if more {
+            spawn(&mut ground, -0.3);
+        }
+        let reflected = ground.reflected();
+        assert!(reflected.is_sorted());
+        let index = |seen: &Entity| cubes.iter().position(|cube| cube == seen);
+        reflected.iter().map(index).collect::<Vec<_>>()
+    };
+    let few = seen(false);
+    assert!(few.len() > 100 && few.len() < 600, "{}", few.len());
+    assert_eq!(seen(true), few);
+}
