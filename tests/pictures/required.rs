@@ -122,8 +122,9 @@ fn what_every_camera_has_of_effects_reaches_no_reflected_view() {
         Hdr,
         MotionBlur,
         Smaa,
-        TemporalAntiAliasing,
     );
+    // It moves the camera from frame to frame: the count has to be the same.
+    drop(check::<TemporalAntiAliasing>(None));
 }
 
 #[test]
