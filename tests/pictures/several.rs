@@ -58,7 +58,7 @@ fn mirrors_side_by_side_each_show_their_own_reflection() {
     let scene = before_mirrors("side-by-side")
         .mirror(Surface::wall(1.4, 2.0, turned(-1.0, 0.5, 0.0, 0.25)))
         .mirror(Surface::wall(1.4, 2.0, turned(1.0, 0.5, 0.0, -0.25)));
-    let mut studio = Studio::default();
+    let mut studio = Studio::games();
     let picture = studio.assert_reflects(&scene);
     assert_no_pixel_of_its_own(&mut studio, &scene, &picture);
 }
@@ -66,7 +66,7 @@ fn mirrors_side_by_side_each_show_their_own_reflection() {
 /// Whatever the order in which they came.
 #[test]
 fn where_mirrors_overlap_on_the_screen_the_nearer_one_is_seen() {
-    let mut studio = Studio::default();
+    let mut studio = Studio::games();
     let mut near_first = before_mirrors("overlap-near-first")
         .mirror(Surface::wall(1.2, 1.4, turned(0.6, 0.4, 1.0, 0.3)))
         .mirror(Surface::wall(3.0, 2.0, turned(-0.1, 0.6, 0.0, -0.1)));
@@ -88,7 +88,7 @@ fn mirrors_that_cross_part_where_they_cross() {
     let scene = before_mirrors("crossing")
         .mirror(Surface::wall(2.4, 2.0, turned(0.0, 0.5, 0.0, 0.4)))
         .mirror(Surface::wall(2.4, 2.0, turned(0.0, 0.5, 0.0, -0.4)));
-    let mut studio = Studio::default();
+    let mut studio = Studio::games();
     let picture = studio.assert_reflects(&scene);
     assert_no_pixel_of_its_own(&mut studio, &scene, &picture);
 }
@@ -104,7 +104,7 @@ fn a_mirror_behind_anothers_glass_does_not_show_through() {
         .mirror(Surface::wall(1.2, 1.4, turned(0.6, 0.4, 1.0, 0.3)))
         .mirror(Surface::wall(3.0, 2.0, turned(-0.1, 0.6, 0.0, -0.1)));
     scene.objects[1].transform = at(1.2, -0.3, 2.0);
-    let mut studio = Studio::default();
+    let mut studio = Studio::games();
     let clear = studio.picture(&scene);
     let masks = [0, 1].map(|mirror| studio.mask(&scene, mirror));
     tint(&mut scene, 0);
@@ -138,7 +138,7 @@ fn in_a_mirror_another_one_shows_its_material_alone() {
         scene.mirrors[1].look = look;
         scene
     };
-    let mut studio = Studio::default();
+    let mut studio = Studio::games();
     let mut picture = |scene: &Scene| {
         let picture = studio.picture(scene);
         let mask = studio.mask(scene, 0);
@@ -159,7 +159,7 @@ fn in_a_mirror_another_one_shows_its_material_alone() {
 /// Two halves of a wall, each a mirror, are one mirror: at the seam at most one pixel of a row is another.
 #[test]
 fn touching_mirrors_of_one_plane_leave_no_seam() {
-    let mut studio = Studio::default();
+    let mut studio = Studio::games();
     for (name, yaw, msaa) in [
         ("straight", 0.0, Msaa::Off),
         ("turned", 0.4, Msaa::Off),
@@ -217,7 +217,7 @@ fn twenty_mirrors_show_twenty_reflections() {
         let place = at(0.85 * (column - 2.0), 0.7 * row - 0.6, 0.0).with_rotation(rotation);
         scene = scene.mirror(Surface::wall(0.7, 0.55, place));
     }
-    let mut studio = Studio::default();
+    let mut studio = Studio::games();
     let picture = studio.assert_reflects(&scene);
     assert_no_pixel_of_its_own(&mut studio, &scene, &picture);
     for mirror in 0..20 {
@@ -254,7 +254,7 @@ fn mirrors_back_to_back_serve_both_sides_of_a_wall() {
     };
     let before = scene("back-to-back-before", vec3(0.7, 1.0, 4.0));
     let behind = scene("back-to-back-behind", vec3(0.4, 1.2, -4.0));
-    let mut studio = Studio::default();
+    let mut studio = Studio::games();
     let mut alone = |scene: &Scene, facing: usize| {
         // The other mirror has no part in it, so the acceptance is that of the facing one alone.
         let mut only = scene.clone();

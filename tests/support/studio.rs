@@ -50,6 +50,14 @@ impl Studio {
         }
     }
 
+    /// With apps as games run them.
+    pub fn games() -> Self {
+        Self {
+            as_game: true,
+            ..default()
+        }
+    }
+
     /// [`Self::of`] with apps as games run them.
     pub fn game(scene: &Scene) -> Self {
         Self {
