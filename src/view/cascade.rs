@@ -32,9 +32,11 @@ pub fn build_cascades(
             ) else {
                 continue;
             };
-            let moved = of_camera.iter().enumerate().map(|(index, cascade)| {
+            // The light may have been set up anew since the engine built the camera's.
+            let cascades_to = of_camera.iter().zip(&config.bounds).enumerate();
+            let moved = cascades_to.map(|(index, (cascade, far))| {
                 let near = cascade_near(config, index).unwrap_or(config.minimum_distance);
-                let corners = projection.get_frustum_corners(-near, -config.bounds[index]);
+                let corners = projection.get_frustum_corners(-near, -far);
                 let corners = corners.map(|corner| corner.as_dvec3());
                 moved(cascade, corners, &planned.plan.world_from_view)
             });
